@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "semantic_vslam/core/geometry/se3.h"
+
+namespace semantic_vslam {
+
+/// What explained the camera's own motion between frames n-1 and n.
+enum class MotionModel { kNone, kHomography, kRigidFlow };
+
+/// What the motion stage says of one frame.
+struct MotionResult {
+  /// height x width, 8-bit: probability that the pixel is on a moving object, 0 = surely static, 255 = surely dynamic.
+  /// 128 and more counts as dynamic. All 0 where no motion could be told (first frame, tracking of the flow lost).
+  cv::Mat1b dynamic;
+  /// The part of `dynamic` that this frame's flow and depth alone show, without masks carried forward: Fi of eq. (5).
+  cv::Mat1b moving;
+  /// Dense flow from n-1 to n seen in frame n: flow(x_n) = x_n - x_{n-1}; 2 x float32, px of the full image, at the
+  /// resolution it was computed at. Empty for the first frame.
+  cv::Mat2f flow_px;
+  /// Flow amplitude that the camera's motion does not explain, eq. (1); resolution of flow_px, px; NaN = unknown.
+  cv::Mat1f residual_px;
+  MotionModel model = MotionModel::kNone;
+  SE3 T_current_previous = SE3::Identity();  ///< camera motion by the rigid model; identity for the others
+  int inliers = 0;                           ///< of the camera motion model
+  double dynamic_share = 0.0;                ///< share of pixels with dynamic >= 128
+};
+
+}  // namespace semantic_vslam

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace semantic_vslam {
+
+/// How a class behaves. People never enter map or pose; movable things only while they stand still, by eq. (5).
+enum class Mobility { kStatic, kMovable, kPerson };
+
+struct LabelClass {
+  std::string name;
+  Mobility mobility = Mobility::kStatic;
+  cv::Vec3b color_bgr;
+};
+
+/// The classes of a network; the label image holds indices into it. Index 0 is always "background" (unlabelled).
+struct LabelSet {
+  std::vector<LabelClass> classes{{"background", Mobility::kStatic, cv::Vec3b(90, 90, 90)}};
+
+  std::size_t size() const { return classes.size(); }
+  Mobility mobility(std::uint8_t label) const {
+    return label < classes.size() ? classes[label].mobility : Mobility::kStatic;
+  }
+};
+
+}  // namespace semantic_vslam

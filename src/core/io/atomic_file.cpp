@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/io/atomic_file.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include "semantic_vslam/core/common/error.h"
+
+namespace semantic_vslam {
+namespace {
+
+// The extension stays last: cv::imwrite and others choose the format by it.
+std::string temporaryName(const std::string& path) {
+  const std::size_t slash = path.rfind('/');
+  const std::size_t name = slash == std::string::npos ? 0 : slash + 1;
+  return path.substr(0, name) + ".writing-" + std::to_string(getpid()) + "-" + path.substr(name);
+}
+
+[[noreturn]] void throwCannotWrite(const std::string& path, int error) {
+  throw FileError("cannot write '" + path + "': " + std::strerror(error));
+}
+
+void writeText(const std::string& temporary, const std::string& path, const std::string& content) {
+  std::FILE* file = std::fopen(temporary.c_str(), "wb");
+  if (file == nullptr) throwCannotWrite(path, errno);
+  bool written = std::fwrite(content.data(), 1, content.size(), file) == content.size();
+  written = written && std::fflush(file) == 0 && fsync(fileno(file)) == 0;  // a full disk often shows only here
+  int error = written ? 0 : errno;
+  if (std::fclose(file) != 0 && error == 0) error = errno;
+  if (error != 0) throwCannotWrite(path, error);
+}
+
+}  // namespace
+
+void writeFileAtomically(const std::string& path, const std::function<void(const std::string&)>& write) {
+  const std::string temporary = temporaryName(path);
+  try {
+    write(temporary);
+    if (std::rename(temporary.c_str(), path.c_str()) != 0) throwCannotWrite(path, errno);
+  } catch (...) {
+    std::remove(temporary.c_str());
+    throw;
+  }
+}
+
+void writeTextAtomically(const std::string& path, const std::string& content) {
+  writeFileAtomically(path, [&](const std::string& temporary) { writeText(temporary, path, content); });
+}
+
+}  // namespace semantic_vslam

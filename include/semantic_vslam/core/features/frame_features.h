@@ -9,6 +9,14 @@
 
 namespace semantic_vslam {
 
+/// The image pyramid of ORB (Rublee et al. 2011; Mur-Artal and Tardos 2015): fixed, since landmarks keep their distance
+/// range in its terms.
+constexpr int kPyramidLevels = 8;
+constexpr double kPyramidScale = 1.2;
+
+/// @return kPyramidScale to the power of octave: the size of one pixel of that level, px; also the sigma of a feature.
+double pyramidScale(int octave);
+
 /// One ORB feature of a frame.
 struct Feature {
   Eigen::Vector2f raw_px;          ///< where the image shows it

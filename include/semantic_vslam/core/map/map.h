@@ -93,6 +93,8 @@ class Map {
   void countFound(LandmarkId id);
   /// Recomputes descriptor, view direction and distance range from the observations.
   void refreshLandmark(LandmarkId id);
+  /// The same without the descriptor: after an optimiser moved the point or its cameras.
+  void refreshGeometry(LandmarkId id);
   void bumpVersion() { ++version_; }
 
  private:

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "semantic_vslam/core/io/broken_frames.h"
+#include "semantic_vslam/core/io/frame_source.h"
+
+namespace semantic_vslam {
+
+/// A colour image and the depth image that goes with it; paths are relative to the sequence's folder.
+struct TumPair {
+  Stamp rgb_stamp, depth_stamp;
+  std::string rgb_file, depth_file;
+};
+
+/// Reads a folder in the format of the TUM RGB-D benchmark: `associations.txt` if there is one, else `rgb.txt` and
+/// `depth.txt` paired by associateStamps(). @return pairs in order of the colour stamp; at least one.
+/// @throws FileError naming the folder or list and what is wrong with it.
+std::vector<TumPair> readTumPairs(const std::string& folder);
+
+/// Sequence of the TUM RGB-D benchmark: colour images, 16-bit depth PNG in units of 1/5000 m, optional
+/// `groundtruth.txt`, optional `mask/NAME.png` beside `rgb/NAME.*` (255 = moving).
+class TumSequence : public FrameSource {
+ public:
+  /// @throws FileError as readTumPairs() and readTumTrajectory().
+  TumSequence(std::string folder, std::shared_ptr<const CameraModel> camera);
+
+  std::optional<RgbdFrame> next() override;
+  void skip(std::size_t count) override { next_ += count; }
+  std::size_t size() const override { return pairs_.size(); }
+  std::size_t skippedBroken() const override { return broken_.count(); }
+  std::shared_ptr<const CameraModel> camera() const override { return camera_; }
+  const std::vector<TimedPose>& groundTruth() const override { return ground_truth_; }
+  cv::Mat1b groundTruthMask() const override;
+
+  const std::vector<TumPair>& pairs() const { return pairs_; }
+
+ private:
+  RgbdFrame read(std::size_t index) const;
+
+  std::string folder_;
+  std::shared_ptr<const CameraModel> camera_;
+  std::vector<TumPair> pairs_;
+  std::vector<TimedPose> ground_truth_;
+  BrokenFrames broken_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace semantic_vslam

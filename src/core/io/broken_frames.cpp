@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/io/broken_frames.h"
+
+#include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/common/log.h"
+
+namespace semantic_vslam {
+namespace {
+
+constexpr std::size_t kMaxInARow = 10;
+
+}  // namespace
+
+void BrokenFrames::countGood() {
+  ++good_;
+  in_a_row_ = 0;
+}
+
+void BrokenFrames::countUnreadable(const std::string& reason) {
+  ++broken_;
+  if (++in_a_row_ == kMaxInARow) {
+    throw FileError("'" + recording_ + "': " + std::to_string(kMaxInARow) +
+                    " frames in a row cannot be read; the last: " + reason);
+  }
+  logWarning(reason + "; frame skipped");
+}
+
+void BrokenFrames::countMisfit(const std::string& reason) {
+  if (good_ == 0) throw FileError(reason);
+  countUnreadable(reason);
+}
+
+}  // namespace semantic_vslam

@@ -1,0 +1,14 @@
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+# Target check_headers: compiles every header of the core by itself, so that each includes what it uses. Run by ./run lint.
+file(GLOB_RECURSE core_headers RELATIVE ${PROJECT_SOURCE_DIR}/include CONFIGURE_DEPENDS include/semantic_vslam/core/*.h)
+set(header_sources)
+foreach(header ${core_headers})
+  set(header_source ${PROJECT_BINARY_DIR}/check_headers/${header}.cpp)
+  if(NOT EXISTS ${header_source})
+    file(WRITE ${header_source} "#include \"${header}\"\n")
+  endif()
+  list(APPEND header_sources ${header_source})
+endforeach()
+add_library(check_headers OBJECT EXCLUDE_FROM_ALL ${header_sources})
+target_include_directories(check_headers PRIVATE $<TARGET_PROPERTY:semantic_vslam_core,INCLUDE_DIRECTORIES>)

@@ -58,8 +58,8 @@ std::array<double, 5> plumbBob(const sensor_msgs::CameraInfo& info) {
   std::array<double, 5> coefficients{};
   if (all_zero) return coefficients;
   // A rational model whose last three coefficients are 0 is a plumb_bob model.
-  const bool reducible = std::all_of(d.begin() + std::min<std::size_t>(5, d.size()), d.end(),
-                                     [](double value) { return value == 0.0; });
+  const bool reducible =
+      std::all_of(d.begin() + std::min<std::size_t>(5, d.size()), d.end(), [](double value) { return value == 0.0; });
   const bool polynomial = info.distortion_model == sensor_msgs::distortion_models::PLUMB_BOB ||
                           info.distortion_model == sensor_msgs::distortion_models::RATIONAL_POLYNOMIAL;
   if (!polynomial || !reducible) {

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "semantic_vslam/core/common/stamp.h"
+
+namespace semantic_vslam {
+
+/// The newest few values of a stream, found by stamp. Thread-safe.
+template <class T>
+class StampedBuffer {
+ public:
+  explicit StampedBuffer(std::size_t capacity) : capacity_(capacity) {}
+
+  /// Adds or replaces. When full, the oldest goes.
+  void put(Stamp stamp, T value) {
+    std::lock_guard<std::mutex> lock(mutex_);
+    values_[stamp] = std::move(value);
+    if (values_.size() > capacity_) values_.erase(values_.begin());
+    changed_.notify_all();
+  }
+
+  std::optional<T> find(Stamp stamp) const {
+    std::lock_guard<std::mutex> lock(mutex_);
+    return findLocked(stamp);
+  }
+
+  /// Waits until the value of this stamp is there. Gives up after the budget, at once if a newer value has come (its
+  /// source skipped this one), and when closed.
+  std::optional<T> waitFor(Stamp stamp, std::chrono::milliseconds budget) const {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait_for(lock, budget, [&] { return closed_ || (!values_.empty() && stamp <= values_.rbegin()->first); });
+    return findLocked(stamp);
+  }
+
+  void clear() {
+    std::lock_guard<std::mutex> lock(mutex_);
+    values_.clear();
+  }
+
+  /// Wakes every waiter for good.
+  void close() {
+    std::lock_guard<std::mutex> lock(mutex_);
+    closed_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  std::optional<T> findLocked(Stamp stamp) const {
+    const auto found = values_.find(stamp);
+    return found == values_.end() ? std::nullopt : std::optional<T>(found->second);
+  }
+
+  const std::size_t capacity_;
+  mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
+  std::map<Stamp, T> values_;  // guarded by mutex_
+  bool closed_ = false;        // guarded by mutex_
+};
+
+}  // namespace semantic_vslam

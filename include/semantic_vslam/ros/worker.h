@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "semantic_vslam/core/common/bounded_queue.h"
+
+namespace semantic_vslam {
+
+/// One thread that works off a bounded queue, so that callbacks return at once. Dropped items are counted.
+template <class T>
+class Worker {
+ public:
+  using Handler = std::function<void(T)>;
+
+  /// Starts at once: construct it after everything that the handler uses.
+  Worker(std::size_t capacity, QueuePolicy policy, Handler handler)
+      : queue_(capacity, policy), handler_(std::move(handler)), thread_([this] { run(); }) {}
+
+  /// Drops what waits, finishes what runs.
+  ~Worker() {
+    queue_.clear();
+    queue_.close();
+    thread_.join();
+  }
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  void push(T item) { queue_.push(std::move(item)); }
+  std::size_t waiting() const { return queue_.size(); }
+  QueueCounters counters() const { return queue_.counters(); }
+
+ private:
+  void run() {
+    while (std::optional<T> item = queue_.pop()) handler_(std::move(*item));
+  }
+
+  BoundedQueue<T> queue_;
+  const Handler handler_;
+  std::thread thread_;
+};
+
+}  // namespace semantic_vslam

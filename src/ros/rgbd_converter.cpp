@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/ros/rgbd_converter.h"
+
+#include <ros/console.h>
+
+#include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/ros/conversions.h"
+
+namespace semantic_vslam {
+namespace {
+
+constexpr double kMetresPerMillimetre = 0.001;  // REP 118: 16UC1 depth is in millimetres
+
+bool sameCamera(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b) {
+  return a.width == b.width && a.height == b.height && a.K == b.K && a.P == b.P && a.D == b.D &&
+         a.distortion_model == b.distortion_model;
+}
+
+}  // namespace
+
+RgbdConverter::RgbdConverter(const RgbdInputConfig& config) : rectified_(config.rectified) {
+  if (!config.camera_file.empty()) camera_ = std::make_shared<CameraModel>(loadCameraFile(config.camera_file));
+}
+
+std::shared_ptr<const CameraModel> RgbdConverter::cameraFor(const RgbdMessages& messages) {
+  if (!messages.info) return camera_;
+  // Making a model costs milliseconds (its table of rays), so a new one is made only when the calibration changes.
+  if (!camera_info_ || !sameCamera(*camera_info_, *messages.info)) {
+    camera_ = std::make_shared<CameraModel>(fromRos(*messages.info, rectified_));
+    camera_info_ = messages.info;
+  }
+  return camera_;
+}
+
+std::optional<RgbdFrame> RgbdConverter::convert(const RgbdMessages& messages) {
+  try {
+    return makeRgbdFrame(next_index_++, fromRos(messages.rgb->header.stamp), colourFromRos(messages.rgb),
+                         depthFromRos(messages.depth), kMetresPerMillimetre, cameraFor(messages));
+  } catch (const Error& error) {
+    ++refused_;
+    ROS_ERROR_THROTTLE(5.0, "frame refused: %s", error.what());
+    return std::nullopt;
+  }
+}
+
+}  // namespace semantic_vslam

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/ros/rgbd_subscriber.h"
+
+#include <ros/console.h>
+
+#include <utility>
+
+namespace semantic_vslam {
+namespace {
+
+// Images that wait for their partner. At 30 Hz this outlives any delay between the two streams of one driver.
+constexpr int kPairingQueue = 10;
+
+// No camera here is faster than 60 Hz, so a stream's next image is at least this far off: the synchroniser then need
+// not wait for it to know that a pair is the best one.
+constexpr double kShortestPeriodS = 0.015;
+
+}  // namespace
+
+RgbdSubscriber::RgbdSubscriber(ros::NodeHandle nh, const RgbdInputConfig& config, Sink sink)
+    : config_(config), sink_(std::move(sink)), last_pair_(ros::SteadyTime::now()), transport_(nh) {
+  synchronize();
+  rgb_subscriber_.registerCallback([this](const sensor_msgs::ImageConstPtr&) { ++rgb_images_; });
+  depth_subscriber_.registerCallback([this](const sensor_msgs::ImageConstPtr&) { ++depth_images_; });
+  info_subscriber_ = nh.subscribe("rgb/camera_info", 5, &RgbdSubscriber::onInfo, this);
+  rgb_subscriber_.subscribe(transport_, "rgb/image_rect_color", kPairingQueue);
+  depth_subscriber_.subscribe(transport_, "depth_registered/image_rect", kPairingQueue);
+  silence_timer_ =
+      nh.createSteadyTimer(ros::WallDuration(config_.silent_after_s), [this](const ros::SteadyTimerEvent&) {
+        const std::string problem = missing();
+        if (!problem.empty()) ROS_WARN_THROTTLE(30.0, "%s", problem.c_str());
+      });
+}
+
+void RgbdSubscriber::synchronize() {
+  if (config_.sync == "exact") {
+    exact_ = std::make_unique<message_filters::Synchronizer<ExactPolicy>>(ExactPolicy(kPairingQueue), rgb_subscriber_,
+                                                                          depth_subscriber_);
+    exact_->registerCallback(&RgbdSubscriber::onPair, this);
+    return;
+  }
+  ApproximatePolicy policy(kPairingQueue);
+  policy.setMaxIntervalDuration(ros::Duration(config_.max_interval_s));
+  for (int stream = 0; stream < 2; ++stream) policy.setInterMessageLowerBound(stream, ros::Duration(kShortestPeriodS));
+  approximate_ = std::make_unique<message_filters::Synchronizer<ApproximatePolicy>>(std::as_const(policy),
+                                                                                    rgb_subscriber_, depth_subscriber_);
+  approximate_->registerCallback(&RgbdSubscriber::onPair, this);
+}
+
+void RgbdSubscriber::onInfo(const sensor_msgs::CameraInfoConstPtr& info) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  info_ = info;
+}
+
+void RgbdSubscriber::onPair(const sensor_msgs::ImageConstPtr& rgb, const sensor_msgs::ImageConstPtr& depth) {
+  RgbdMessages messages{rgb, depth, nullptr};
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    if (config_.camera_file.empty()) {
+      if (!info_) return;  // missing() names the topic
+      messages.info = info_;
+    }
+    last_pair_ = ros::SteadyTime::now();
+  }
+  ++pairs_;
+  sink_(messages);
+}
+
+std::string RgbdSubscriber::missing() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  if ((ros::SteadyTime::now() - last_pair_).toSec() < config_.silent_after_s) return "";
+  std::string silent;
+  const auto name = [&silent](const std::string& topic) { silent += (silent.empty() ? "" : ", ") + topic; };
+  if (rgb_images_ == 0) name(rgb_subscriber_.getTopic());
+  if (depth_images_ == 0) name(depth_subscriber_.getTopic());
+  if (config_.camera_file.empty() && !info_) name(info_subscriber_.getTopic());
+  if (!silent.empty()) return "no message yet on " + silent + "; remap the inputs or start the driver";
+  const std::string both = rgb_subscriber_.getTopic() + " and " + depth_subscriber_.getTopic();
+  if (pairs_ == 0) {
+    return "images on " + both + " never come within " + std::to_string(config_.max_interval_s) +
+           " s of each other; raise max_interval_s or synchronise the driver";
+  }
+  return "no pair of images any more on " + both;
+}
+
+}  // namespace semantic_vslam

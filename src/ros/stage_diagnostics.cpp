@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/ros/stage_diagnostics.h"
+
+#include <ros/console.h>
+#include <time.h>
+
+#include "semantic_vslam/core/common/log.h"
+#include "semantic_vslam/core/eval/stage_timing.h"
+#include "semantic_vslam/ros/conversions.h"
+
+namespace semantic_vslam {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+
+void addTimes(StageDiagnostics::Status& status, const char* name, const std::vector<double>& times_ms) {
+  if (times_ms.empty()) return;
+  status.addf(std::string(name) + " median", "%.1f ms", quantile(times_ms, 0.5));
+  status.addf(std::string(name) + " worst", "%.1f ms", quantile(times_ms, 1.0));
+}
+
+}  // namespace
+
+void installRosLogSink() {
+  setLogSink([](LogLevel level, const std::string& message) {
+    switch (level) {
+      case LogLevel::kDebug: ROS_DEBUG("%s", message.c_str()); break;
+      case LogLevel::kInfo: ROS_INFO("%s", message.c_str()); break;
+      case LogLevel::kWarning: ROS_WARN("%s", message.c_str()); break;
+      case LogLevel::kError: ROS_ERROR("%s", message.c_str()); break;
+    }
+  });
+}
+
+double threadCpuMs() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
+}
+
+StageDiagnostics::Step::Step(StageDiagnostics& diagnostics, Stamp stamp)
+    : diagnostics_(diagnostics), stamp_(stamp), cpu_begin_ms_(threadCpuMs()), wall_begin_(ros::SteadyTime::now()) {}
+
+StageDiagnostics::Step::~Step() {
+  diagnostics_.record(stamp_, (ros::SteadyTime::now() - wall_begin_).toSec() * 1e3, cpuMs());
+}
+
+StageDiagnostics::StageDiagnostics(ros::NodeHandle nh, ros::NodeHandle private_nh, const std::string& node_name,
+                                   const std::string& stage, double budget_ms, Input input)
+    : budget_ms_(budget_ms),
+      input_(std::move(input)),
+      last_report_(ros::SteadyTime::now()),
+      updater_(nh, private_nh, node_name) {
+  updater_.setHardwareID("none");
+  updater_.add(stage, [this](Status& status) { fill(status); });
+  timer_ = nh.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { updater_.update(); });
+}
+
+void StageDiagnostics::record(Stamp stamp, double wall_ms, double cpu_ms) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  wall_ms_.push_back(wall_ms);
+  cpu_ms_.push_back(cpu_ms);
+  newest_ = stamp;
+  ++steps_;
+}
+
+void StageDiagnostics::fill(Status& status) {
+  std::vector<double> wall_ms, cpu_ms;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    wall_ms.swap(wall_ms_);
+    cpu_ms.swap(cpu_ms_);
+    status.add("steps", steps_);
+    if (steps_ > 0) status.addf("age of newest", "%.3f s", (ros::Time::now() - toRos(newest_)).toSec());
+  }
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  status.summary(DiagnosticStatus::OK, "running");
+  status.addf("rate", "%.1f Hz", static_cast<double>(wall_ms.size()) / (now - last_report_).toSec());
+  last_report_ = now;
+
+  addTimes(status, "wall", wall_ms);
+  addTimes(status, "cpu", cpu_ms);
+  status.addf("budget", "%.1f ms", budget_ms_);
+  if (!wall_ms.empty() && quantile(wall_ms, 0.5) > budget_ms_) {
+    status.mergeSummary(DiagnosticStatus::WARN, "slower than the budget");
+  }
+
+  const QueueCounters queue = input_.queue();
+  status.add("queue high water", queue.high_water);
+  status.add("dropped", queue.dropped);
+  if (queue.dropped > reported_drops_) status.mergeSummary(DiagnosticStatus::WARN, "dropping input");
+  reported_drops_ = queue.dropped;
+
+  const std::string missing = input_.missing();
+  if (!missing.empty()) status.mergeSummary(DiagnosticStatus::ERROR, missing);
+  if (input_.details) input_.details(status);
+}
+
+}  // namespace semantic_vslam

@@ -10,16 +10,6 @@ namespace {
 // Below this angle the series are exact to double precision and the closed forms divide by nearly zero.
 constexpr double kSmallAngle = 1e-5;
 
-/// Left Jacobian of SO(3), which couples rotation into translation in the exponential of SE(3).
-Eigen::Matrix3d leftJacobian(const Eigen::Vector3d& w) {
-  const double angle = w.norm();
-  const Eigen::Matrix3d W = skew(w);
-  if (angle < kSmallAngle) return Eigen::Matrix3d::Identity() + 0.5 * W + W * W / 6.0;
-  const double angle2 = angle * angle;
-  return Eigen::Matrix3d::Identity() + (1.0 - std::cos(angle)) / angle2 * W +
-         (angle - std::sin(angle)) / (angle2 * angle) * W * W;
-}
-
 }  // namespace
 
 Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
@@ -44,17 +34,34 @@ Eigen::Vector3d so3Log(const Eigen::Matrix3d& rotation) {
   return 2.0 * std::atan2(sine, q.w()) / sine * q.vec();
 }
 
+Eigen::Matrix3d so3LeftJacobian(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  const Eigen::Matrix3d W = skew(w);
+  if (angle < kSmallAngle) return Eigen::Matrix3d::Identity() + 0.5 * W + W * W / 6.0;
+  const double angle2 = angle * angle;
+  return Eigen::Matrix3d::Identity() + (1.0 - std::cos(angle)) / angle2 * W +
+         (angle - std::sin(angle)) / (angle2 * angle) * W * W;
+}
+
+Eigen::Matrix3d so3LeftJacobianInverse(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  const Eigen::Matrix3d W = skew(w);
+  if (angle < kSmallAngle) return Eigen::Matrix3d::Identity() - 0.5 * W + W * W / 12.0;
+  const double half = 0.5 * angle;
+  return Eigen::Matrix3d::Identity() - 0.5 * W + (1.0 - half / std::tan(half)) / (angle * angle) * W * W;
+}
+
 SE3 se3Exp(const Vector6d& tangent) {
   SE3 out = SE3::Identity();
   out.linear() = so3Exp(tangent.tail<3>());
-  out.translation() = leftJacobian(tangent.tail<3>()) * tangent.head<3>();
+  out.translation() = so3LeftJacobian(tangent.tail<3>()) * tangent.head<3>();
   return out;
 }
 
 Vector6d se3Log(const SE3& transform) {
   Vector6d out;
   out.tail<3>() = so3Log(transform.linear());
-  out.head<3>() = leftJacobian(out.tail<3>()).partialPivLu().solve(transform.translation());
+  out.head<3>() = so3LeftJacobian(out.tail<3>()).partialPivLu().solve(transform.translation());
   return out;
 }
 

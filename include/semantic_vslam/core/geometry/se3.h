@@ -20,6 +20,11 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& v);
 Eigen::Matrix3d so3Exp(const Eigen::Vector3d& rotation_vector);
 Eigen::Vector3d so3Log(const Eigen::Matrix3d& rotation);
 
+/// Left Jacobian of SO(3) and its inverse: exp(w + dw) = exp(J(w) dw) exp(w) to first order (Barfoot 2017,
+/// section 7.1).
+Eigen::Matrix3d so3LeftJacobian(const Eigen::Vector3d& rotation_vector);
+Eigen::Matrix3d so3LeftJacobianInverse(const Eigen::Vector3d& rotation_vector);
+
 /// Exponential and logarithm of SE(3) (Barfoot 2017, section 7.1).
 SE3 se3Exp(const Vector6d& tangent);
 Vector6d se3Log(const SE3& transform);

@@ -1,0 +1,116 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "semantic_vslam/core/camera/camera_model.h"
+#include "semantic_vslam/core/geometry/se3.h"
+
+/// What the optimisers' cost functions share: the observation model of an RGB-D feature, the pose increment they
+/// estimate, and the robust kernel.
+namespace semantic_vslam {
+
+/// Separates an optimiser from the world: the closest a point may come to the image plane, metres.
+constexpr double kMinProjectionDepthM = 0.05;
+/// Chi-square bounds that hold 95 % of the true matches, 2 and 3 degrees of freedom.
+constexpr double kChi2Pixel = 5.991;
+constexpr double kChi2PixelAndDepth = 7.815;
+
+/// One measured feature as the optimisers use it. Depth z enters as the disparity fx * b / z of a virtual stereo pair
+/// (ORB-SLAM2, section III.A: u_R = u - fx * b / z). The disparity itself is the third coordinate here instead of u_R:
+/// its noise is independent of the noise of u, so the information matrix stays diagonal.
+struct PixelMeasurement {
+  Eigen::Vector2d undistorted_px = Eigen::Vector2d::Zero();
+  double disparity_px = 0.0;        ///< fx * virtual_baseline_m / depth_m; 0 = no depth
+  double sigma_px = 1.0;            ///< of undistorted_px, each axis
+  double disparity_sigma_px = 1.0;  ///< of disparity_px
+  double weight = 1.0;              ///< scales the information; 0 = no influence
+
+  bool hasDepth() const { return disparity_px > 0.0; }
+  double chi2Bound() const { return hasDepth() ? kChi2PixelAndDepth : kChi2Pixel; }
+};
+
+/// Pinhole camera with a virtual second one at `virtual_baseline_m` to its right.
+struct VirtualStereo {
+  double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< px
+  double fx_baseline = 0.0;                       ///< fx * virtual_baseline_m, px * m
+
+  VirtualStereo() = default;
+  VirtualStereo(const CameraIntrinsics& k, double virtual_baseline_m)
+      : fx(k.fx), fy(k.fy), cx(k.cx), cy(k.cy), fx_baseline(k.fx * virtual_baseline_m) {}
+
+  /// @param p metres, z > 0. @return (u, v, disparity), px.
+  Eigen::Vector3d project(const Eigen::Vector3d& p) const {
+    const double inverse_z = 1.0 / p.z();
+    return {fx * p.x() * inverse_z + cx, fy * p.y() * inverse_z + cy, fx_baseline * inverse_z};
+  }
+  /// Derivative of project(): 3x3, px per metre.
+  Eigen::Matrix3d projectJacobian(const Eigen::Vector3d& p) const {
+    const double inverse_z = 1.0 / p.z(), inverse_z2 = inverse_z * inverse_z;
+    Eigen::Matrix3d j;
+    j << fx * inverse_z, 0, -fx * p.x() * inverse_z2, 0, fy * inverse_z, -fy * p.y() * inverse_z2, 0, 0,
+        -fx_baseline * inverse_z2;
+    return j;
+  }
+};
+
+/// Whitened error (measured - predicted) / sigma of (u, v, disparity); the third is 0 where there is no depth.
+inline Eigen::Vector3d whitenedError(const VirtualStereo& camera, const PixelMeasurement& m,
+                                     const Eigen::Vector3d& point_camera) {
+  const Eigen::Vector3d predicted = camera.project(point_camera);
+  return {(m.undistorted_px.x() - predicted.x()) / m.sigma_px, (m.undistorted_px.y() - predicted.y()) / m.sigma_px,
+          m.hasDepth() ? (m.disparity_px - predicted.z()) / m.disparity_sigma_px : 0.0};
+}
+
+/// Derivative of whitenedError() by the point in the camera frame, 3x3.
+inline Eigen::Matrix3d whitenedErrorJacobian(const VirtualStereo& camera, const PixelMeasurement& m,
+                                             const Eigen::Vector3d& point_camera) {
+  Eigen::Matrix3d j = -camera.projectJacobian(point_camera);
+  j.topRows<2>() /= m.sigma_px;
+  j.row(2) *= m.hasDepth() ? 1.0 / m.disparity_sigma_px : 0.0;
+  return j;
+}
+
+/// Left perturbation of a pose that an optimiser estimates, as the six numbers (translation m, rotation rad):
+///     p_camera = exp(rotation) * (T0 * p_world) + translation.
+/// A plain vector space, so it needs neither Ceres' LocalParameterization (1.14) nor its Manifold (2.1); to first order
+/// at zero it is the left perturbation of SE(3), so covariances come out in the tangent of se3Exp().
+class PoseIncrement {
+ public:
+  explicit PoseIncrement(const double* increment)
+      : translation_(increment), vector_(increment + 3), rotation_(so3Exp(vector_)) {}
+
+  Eigen::Vector3d apply(const Eigen::Vector3d& point) const { return rotation_ * point + translation_; }
+  SE3 apply(const SE3& T0) const {
+    SE3 out = SE3::Identity();
+    out.linear() = Eigen::Quaterniond(rotation_ * T0.linear()).normalized().toRotationMatrix();
+    out.translation() = apply(Eigen::Vector3d(T0.translation()));
+    return out;
+  }
+  const Eigen::Matrix3d& rotation() const { return rotation_; }
+  /// Left Jacobian of the rotation, shared by the derivatives of all points: d(exp(w) p)/dw = -skew(exp(w) p) J(w).
+  Eigen::Matrix3d rotationJacobian() const { return so3LeftJacobian(vector_); }
+
+ private:
+  Eigen::Vector3d translation_, vector_;
+  Eigen::Matrix3d rotation_;
+};
+
+/// Huber's kernel: squared norm s up to `bound`, then growing like the norm. @return g with rho(s) = g^2 * s.
+/// Multiplying a residual by g makes its square the robust cost; `derivative` receives dg/ds.
+inline double huberScale(double squared_norm, double bound, double* derivative) {
+  if (squared_norm <= bound) {
+    *derivative = 0.0;
+    return 1.0;
+  }
+  const double delta = std::sqrt(bound), norm = std::sqrt(squared_norm);
+  const double rho = 2.0 * delta * norm - bound;
+  const double scale = std::sqrt(rho / squared_norm);
+  *derivative = (delta / norm * squared_norm - rho) / (2.0 * scale * squared_norm * squared_norm);
+  return scale;
+}
+
+}  // namespace semantic_vslam

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "semantic_vslam/core/map/map.h"
+#include "semantic_vslam/core/tracking/tracked_frame.h"
+
+namespace semantic_vslam {
+
+struct MapMaintenanceConfig {
+  double close_baselines = 40.0;
+  int min_new_points = 100;
+  double min_found_share = 0.25;
+  int probation_keyframes = 3;
+  double redundant_share = 0.9;
+  double fuse_radius_px = 3.0;
+  int fuse_neighbours = 10;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("close_baselines", close_baselines, 1.0, 1000.0,
+            "depth alone makes a landmark up to this many virtual baselines (40 x 0.08 m = 3.2 m)");
+    v.field("min_new_points", min_new_points, 0, 1000,
+            "where fewer close points are at hand, the nearest points are taken up to this number");
+    v.field(
+        "min_found_share", min_found_share, 0.0, 1.0,
+        "a landmark on probation is dropped if it is found in less than this share of the frames that should see it");
+    v.field("probation_keyframes", probation_keyframes, 1, 20,
+            "keyframes within which a new landmark must be seen by a second one");
+    v.field("redundant_share", redundant_share, 0.5, 1.0,
+            "a keyframe is dropped when this share of its close landmarks is seen by 3 others, as large or larger");
+    v.field("fuse_radius_px", fuse_radius_px, 0.5, 20.0, "search radius for duplicates of a landmark, px at full size");
+    v.field("fuse_neighbours", fuse_neighbours, 1, 50,
+            "covisible keyframes whose landmarks are merged with a new one's");
+  }
+};
+
+/// Makes a keyframe of a tracked frame, and landmarks of its close static points that have none.
+KeyframeId insertKeyframe(Map& map, const TrackedFrame& frame, double virtual_baseline_m,
+                          const MapMaintenanceConfig& config);
+
+/// Drops landmarks made in the last few keyframes that tracking does not confirm.
+/// @return landmarks dropped
+int cullRecentLandmarks(Map& map, KeyframeId newest, const MapMaintenanceConfig& config);
+
+/// Finds landmarks in a keyframe that does not see them yet: adds the observation, or merges with the landmark that the
+/// feature already has (the one seen by more keyframes stays).
+/// @return observations added and landmarks merged
+int fuseInto(Map& map, const std::vector<LandmarkId>& landmarks, KeyframeId keyframe, double virtual_baseline_m,
+             double radius_px);
+
+/// fuseInto() both ways between a keyframe and its covisible neighbours.
+int fuseWithNeighbours(Map& map, KeyframeId keyframe, double virtual_baseline_m, const MapMaintenanceConfig& config);
+
+/// Removes covisible keyframes that add nothing: most of their close landmarks are seen by 3 others at the same or a
+/// finer scale. `centre` and the map's first keyframe stay.
+/// @param keep            stays too (tracking's reference), may be invalid
+/// @param before_removal  called with each keyframe that goes, while it is still there
+/// @return keyframes removed
+int cullRedundantKeyframes(Map& map, KeyframeId centre, KeyframeId keep, double virtual_baseline_m,
+                           const MapMaintenanceConfig& config,
+                           const std::function<void(const Keyframe&)>& before_removal);
+
+}  // namespace semantic_vslam

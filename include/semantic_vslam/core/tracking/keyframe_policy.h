@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "semantic_vslam/core/common/ids.h"
+#include "semantic_vslam/core/map/map.h"
+#include "semantic_vslam/core/tracking/tracked_frame.h"
+
+namespace semantic_vslam {
+
+struct KeyframePolicyConfig {
+  int max_gap_frames = 30;
+  int min_gap_frames = 3;
+  double min_reference_share = 0.75;
+  int min_close_tracked = 100;
+  int min_close_new = 70;
+  double close_baselines = 40.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("max_gap_frames", max_gap_frames, 1, 1000,
+            "frames after which a keyframe is due in any case (1 s at 30 Hz)");
+    v.field("min_gap_frames", min_gap_frames, 0, 100, "frames that lie between keyframes while tracking is not weak");
+    v.field("min_reference_share", min_reference_share, 0.1, 1.0,
+            "a keyframe is due when the frame sees less than this share of the reference keyframe's landmarks");
+    v.field("min_close_tracked", min_close_tracked, 0, 1000,
+            "fewer tracked close points than this, with min_close_new new ones at hand, need a keyframe at once");
+    v.field("min_close_new", min_close_new, 0, 1000, "see min_close_tracked");
+    v.field(
+        "close_baselines", close_baselines, 1.0, 1000.0,
+        "a point is close, its depth alone makes a landmark, up to this many virtual baselines (40 x 0.08 m = 3.2 m)");
+  }
+};
+
+/// What the policy looks at, counted once per frame.
+struct KeyframeEvidence {
+  int frames_since_keyframe = 0;
+  int tracked = 0;            ///< inlier landmarks of the frame
+  int reference_tracked = 0;  ///< landmarks of the reference keyframe that other keyframes confirm
+  int close_tracked = 0;      ///< close static features with a landmark
+  int close_new = 0;          ///< close static features without
+  bool mapper_idle = true;
+};
+
+/// ORB-SLAM2's conditions for RGB-D (Mur-Artal and Tardos 2017, section III.E).
+bool keyframeIsDue(const KeyframeEvidence& evidence, const KeyframePolicyConfig& config);
+
+/// Counts close features of the frame. @param close_m  metres
+void countClose(const TrackedFrame& frame, double close_m, KeyframeEvidence& evidence);
+
+/// Landmarks of a keyframe seen by at least minimum_observations keyframes.
+int countConfirmed(const Map& map, const Keyframe& keyframe, int minimum_observations);
+
+}  // namespace semantic_vslam

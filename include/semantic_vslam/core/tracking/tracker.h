@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "semantic_vslam/core/features/orb_extractor.h"
+#include "semantic_vslam/core/map/map.h"
+#include "semantic_vslam/core/map/map_maintenance.h"
+#include "semantic_vslam/core/tracking/frame_tracker.h"
+#include "semantic_vslam/core/tracking/initializer.h"
+#include "semantic_vslam/core/tracking/keyframe_policy.h"
+#include "semantic_vslam/core/tracking/local_map.h"
+
+namespace semantic_vslam {
+
+/// How far the pose of a frame can be trusted.
+enum class TrackingState {
+  kInitialising,  ///< no map yet
+  kOk,            ///< the pose comes from the map
+  kRecentlyLost,  ///< the map is not seen: the motion model carries the pose on for a moment
+  kLost,          ///< no pose; every frame tries to find its place again, the map stays
+};
+
+/// @return "INITIALISING", "OK", "RECENTLY_LOST" or "LOST".
+const char* stateName(TrackingState state);
+
+struct TrackerConfig {
+  int min_inliers = 30;
+  double recently_lost_s = 1.0;
+  OrbConfig orb;
+  InitializerConfig initializer;
+  FrameTrackerConfig frame;
+  LocalMapConfig local_map;
+  KeyframePolicyConfig keyframe;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("min_inliers", min_inliers, 10, 500, "landmarks of the map that must fit for a frame to count as tracked");
+    v.field("recently_lost_s", recently_lost_s, 0.0, 10.0,
+            "how long the motion model alone carries the pose before the state is LOST; a hand-held camera keeps its "
+            "velocity for about a second at best");
+    v.group("orb", orb);
+    v.group("initializer", initializer);
+    v.group("frame", frame);
+    v.group("local_map", local_map);
+    v.group("keyframe", keyframe);
+  }
+};
+
+/// What tracking says of one frame.
+struct TrackingResult {
+  TrackingState state = TrackingState::kInitialising;
+  SE3 T_camera_world = SE3::Identity();        ///< valid in kOk; a prediction in kRecentlyLost
+  Matrix6d covariance = Matrix6d::Identity();  ///< of the left perturbation of T_camera_world (m, rad)
+  KeyframeId reference;                        ///< keyframe that shares most landmarks with the frame
+  int features = 0;
+  int matches = 0;
+  int inliers = 0;
+  bool keyframe_is_due = false;
+  /// k1, when this frame completed the initialisation: the caller makes it the first keyframe, calls startFrom() with
+  /// it and tracks this frame again.
+  std::optional<TrackedFrame> first_frame;
+};
+
+/// Follows the camera frame by frame (Mur-Artal and Tardos 2017, section III, for RGB-D): prediction by constant
+/// velocity, the last frame's points, then the local map. Knows no thread and owns no map.
+class Tracker {
+ public:
+  /// @throws ConfigError
+  explicit Tracker(const TrackerConfig& config);
+
+  /// Needs no map, so it can run while the map is in other hands. @param dynamic  see OrbExtractor::extract().
+  TrackedFrame prepare(const RgbdFrame& frame, const cv::Mat1b& dynamic) const;
+
+  /// Finds the frame's pose. When `keyframe_is_due` the caller may make a keyframe of lastFrame() and tells by
+  /// keyframeInserted(). Writes nothing to the map but the landmarks' visible and found counts.
+  TrackingResult track(TrackedFrame frame, Map& map, bool mapper_idle);
+
+  const TrackedFrame& lastFrame() const { return *last_; }
+  /// The frame just tracked is now this keyframe; the landmarks that were made of it are taken over.
+  void keyframeInserted(const Map& map, KeyframeId id);
+  /// Goes on from a frame whose pose and landmarks are known: k1 of the initialisation, or one found by relocalisation.
+  void startFrom(TrackedFrame frame, KeyframeId reference);
+  /// The map was corrected: follow the reference keyframe to its new pose.
+  void mapMoved(const SE3& T_old_new);
+  KeyframeId reference() const { return reference_; }
+  void reset();
+
+ private:
+  TrackingResult initialise(TrackedFrame frame);
+  PoseEstimate followLastFrame(const Map& map, TrackedFrame& frame) const;
+  PoseEstimate followLocalMap(Map& map, TrackedFrame& frame);
+  TrackingResult trackingFailed(TrackedFrame& frame);
+  bool keyframeIsDue(const Map& map, const TrackedFrame& frame, int inliers, bool mapper_idle) const;
+
+  TrackerConfig config_;
+  OrbExtractor orb_;
+  Initializer initializer_;
+  TrackingState state_ = TrackingState::kInitialising;
+  std::optional<TrackedFrame> last_;  ///< last frame with a pose
+  std::optional<SE3> velocity_;       ///< T_current_last per frame of the stream
+  KeyframeId reference_;
+  std::uint64_t last_keyframe_index_ = 0;
+};
+
+}  // namespace semantic_vslam

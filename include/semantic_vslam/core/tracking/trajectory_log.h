@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "semantic_vslam/core/io/trajectory.h"
+#include "semantic_vslam/core/map/map.h"
+
+namespace semantic_vslam {
+
+/// Every frame's pose, kept relative to its reference keyframe, so that it follows when the map is corrected.
+class TrajectoryLog {
+ public:
+  void add(Stamp stamp, const SE3& T_camera_world, const Keyframe& reference);
+  /// Call before a keyframe leaves the map: poses relative to it go on relative to its parent.
+  void keyframeRemoved(const Map& map, const Keyframe& keyframe);
+  /// @return all poses at the keyframes' present places, in the order they were added.
+  std::vector<TimedPose> poses(const Map& map) const;
+  std::size_t size() const { return entries_.size(); }
+  void clear();
+
+ private:
+  struct Entry {
+    Stamp stamp;
+    KeyframeId reference;
+    SE3 T_camera_reference;
+  };
+  struct Heir {
+    KeyframeId keyframe;
+    SE3 T_removed_keyframe;
+  };
+  std::vector<Entry> entries_;
+  std::unordered_map<KeyframeId, Heir> heirs_;
+};
+
+}  // namespace semantic_vslam

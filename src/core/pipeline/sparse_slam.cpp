@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/pipeline/sparse_slam.h"
+
+#include <utility>
+
+#include "semantic_vslam/core/common/config_fields.h"
+
+namespace semantic_vslam {
+namespace {
+
+// Keyframes come every few frames at most; a worker that is further behind than this makes tracking wait for it.
+constexpr std::size_t kKeyframeQueue = 8;
+
+}  // namespace
+
+SparseSlam::SparseSlam(const SparseSlamConfig& config, Mode mode)
+    : config_(config), mode_(mode), tracker_(config.tracking), queue_(kKeyframeQueue, QueuePolicy::kBlock) {
+  validateConfig(config_);
+  if (mode_ == Mode::kBackground) worker_ = std::thread([this] { work(); });
+}
+
+SparseSlam::~SparseSlam() {
+  abort_ba_ = true;
+  queue_.close();
+  if (worker_.joinable()) worker_.join();
+}
+
+SparseStep SparseSlam::step(const RgbdFrame& frame, const cv::Mat1b& dynamic, StageTimes& times) {
+  SparseStep step;
+  {
+    auto timer = times.scope("tracking", frame.index);
+    const TrackedFrame tracked = tracker_.prepare(frame, dynamic);
+    std::lock_guard<std::mutex> lock(mutex_);
+    step = trackLocked(tracked);
+  }
+  if (localization_only_) return step;
+  for (const auto& id : {step.first_keyframe, step.keyframe}) {
+    if (!id) continue;
+    if (mode_ == Mode::kSynchronous) {
+      maintain(*id, times);
+    } else {
+      ++pending_;
+      worker_times_ = &times;
+      queue_.push(*id);
+    }
+  }
+  return step;
+}
+
+SparseStep SparseSlam::trackLocked(const TrackedFrame& frame) {
+  SparseStep step;
+  const bool mapper_idle = pending_ == 0;
+  step.tracking = tracker_.track(frame, map_, mapper_idle);
+  if (step.tracking.first_frame) {
+    TrackedFrame first = *step.tracking.first_frame;
+    step.first_keyframe = insertLocked(first);
+    step.first_stamp = first.stamp;
+    first.landmarks = map_.keyframe(*step.first_keyframe)->landmarks;
+    trajectory_.add(first.stamp, first.T_camera_world, *map_.keyframe(*step.first_keyframe));
+    tracker_.startFrom(std::move(first), *step.first_keyframe);
+    step.tracking = tracker_.track(frame, map_, mapper_idle);
+  }
+  if (step.tracking.state != TrackingState::kOk) return step;
+  if (step.tracking.keyframe_is_due && !localization_only_) {
+    step.keyframe = insertLocked(tracker_.lastFrame());
+    tracker_.keyframeInserted(map_, *step.keyframe);
+  }
+  trajectory_.add(frame.stamp, step.tracking.T_camera_world, *map_.keyframe(tracker_.reference()));
+  return step;
+}
+
+KeyframeId SparseSlam::insertLocked(const TrackedFrame& frame) {
+  return insertKeyframe(map_, frame, config_.tracking.frame.virtual_baseline_m, config_.mapping);
+}
+
+void SparseSlam::maintain(KeyframeId keyframe, StageTimes& times) {
+  auto timer = times.scope("local_mapping", keyframe.value());
+  const double baseline_m = config_.tracking.frame.virtual_baseline_m;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    if (!map_.keyframe(keyframe)) return;
+    cullRecentLandmarks(map_, keyframe, config_.mapping);
+    fuseWithNeighbours(map_, keyframe, baseline_m, config_.mapping);
+  }
+  std::lock_guard<std::mutex> lock(mutex_);
+  cullRedundantKeyframes(map_, keyframe, tracker_.reference(), baseline_m, config_.mapping,
+                         [this](const Keyframe& removed) { trajectory_.keyframeRemoved(map_, removed); });
+}
+
+void SparseSlam::work() {
+  while (const auto keyframe = queue_.pop()) {
+    maintain(*keyframe, *worker_times_);
+    std::lock_guard<std::mutex> lock(mutex_);
+    --pending_;
+    idle_.notify_all();
+  }
+}
+
+void SparseSlam::finish() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  idle_.wait(lock, [this] { return pending_ == 0; });
+}
+
+void SparseSlam::reset() {
+  finish();
+  std::lock_guard<std::mutex> lock(mutex_);
+  map_.clear();
+  trajectory_.clear();
+  tracker_.reset();
+}
+
+std::vector<TimedPose> SparseSlam::trajectory() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return trajectory_.poses(map_);
+}
+
+std::vector<KeyframePose> SparseSlam::keyframePoses() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  std::vector<KeyframePose> poses;
+  for (const auto& [id, keyframe] : map_.keyframes()) {
+    poses.push_back({id, keyframe.stamp, keyframe.T_camera_world.inverse()});
+  }
+  return poses;
+}
+
+std::size_t SparseSlam::keyframeCount() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return map_.keyframes().size();
+}
+
+std::size_t SparseSlam::landmarkCount() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return map_.landmarks().size();
+}
+
+std::vector<Eigen::Vector3d> SparseSlam::landmarkPositions() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  std::vector<Eigen::Vector3d> positions;
+  positions.reserve(map_.landmarks().size());
+  for (const auto& [id, landmark] : map_.landmarks()) {
+    static_cast<void>(id);
+    positions.push_back(landmark.position_world);
+  }
+  return positions;
+}
+
+}  // namespace semantic_vslam

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/tracking/keyframe_policy.h"
+
+namespace semantic_vslam {
+
+bool keyframeIsDue(const KeyframeEvidence& e, const KeyframePolicyConfig& config) {
+  constexpr int kMinimumTracked = 15;  // with fewer the pose is too weak to add anything to the map
+  if (e.tracked < kMinimumTracked) return false;
+  const bool starving = e.close_tracked < config.min_close_tracked && e.close_new > config.min_close_new;
+  const bool overdue = e.frames_since_keyframe >= config.max_gap_frames;
+  const bool ready = e.frames_since_keyframe >= config.min_gap_frames && e.mapper_idle;
+  const bool very_weak = e.tracked < 0.25 * e.reference_tracked;
+  const bool sees_new = e.tracked < config.min_reference_share * e.reference_tracked;
+  return (overdue || ready || very_weak || starving) && (sees_new || starving);
+}
+
+void countClose(const TrackedFrame& frame, double close_m, KeyframeEvidence& evidence) {
+  constexpr float kSurelyStatic = 0.5F;
+  for (int i = 0; i < static_cast<int>(frame.features->size()); ++i) {
+    const Feature& feature = frame.feature(i);
+    if (feature.depth_m <= 0.0F || feature.depth_m > close_m || feature.static_weight < kSurelyStatic) continue;
+    ++(frame.landmarks[i].valid() ? evidence.close_tracked : evidence.close_new);
+  }
+}
+
+int countConfirmed(const Map& map, const Keyframe& keyframe, int minimum_observations) {
+  int count = 0;
+  for (const LandmarkId id : keyframe.landmarks) {
+    const Landmark* landmark = id.valid() ? map.landmark(id) : nullptr;
+    if (landmark && static_cast<int>(landmark->observations.size()) >= minimum_observations) ++count;
+  }
+  return count;
+}
+
+}  // namespace semantic_vslam

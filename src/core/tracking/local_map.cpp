@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/tracking/local_map.h"
+
+#include <algorithm>
+#include <set>
+
+#include "semantic_vslam/core/features/matcher.h"
+#include "semantic_vslam/core/map/visibility.h"
+
+namespace semantic_vslam {
+namespace {
+
+/// Keyframes that see the frame's landmarks, most shared first.
+std::vector<std::pair<KeyframeId, int>> voteKeyframes(const Map& map, const TrackedFrame& frame) {
+  std::map<KeyframeId, int> votes;
+  for (const LandmarkId id : frame.landmarks) {
+    const Landmark* landmark = id.valid() ? map.landmark(id) : nullptr;
+    if (!landmark) continue;
+    for (const auto& [keyframe, index] : landmark->observations) {
+      static_cast<void>(index);
+      ++votes[keyframe];
+    }
+  }
+  std::vector<std::pair<KeyframeId, int>> sorted(votes.begin(), votes.end());
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  return sorted;
+}
+
+}  // namespace
+
+LocalMap selectLocalMap(const Map& map, const TrackedFrame& frame, const LocalMapConfig& config) {
+  LocalMap local;
+  const auto votes = voteKeyframes(map, frame);
+  if (votes.empty()) return local;
+  local.reference = votes.front().first;
+  std::set<KeyframeId> chosen;
+  const auto full = [&] { return static_cast<int>(chosen.size()) >= config.max_keyframes; };
+  for (const auto& [id, count] : votes) {
+    static_cast<void>(count);
+    if (!full()) chosen.insert(id);
+  }
+  for (const auto& [id, count] : votes) {
+    static_cast<void>(count);
+    if (full()) break;
+    const auto neighbours = map.covisible(id, 1);
+    for (int i = 0; i < std::min<int>(config.neighbours, static_cast<int>(neighbours.size())) && !full(); ++i) {
+      chosen.insert(neighbours[i].first);
+    }
+    const KeyframeId parent = map.keyframe(id)->parent;
+    if (parent.valid() && !full()) chosen.insert(parent);
+  }
+  local.keyframes.assign(chosen.begin(), chosen.end());
+  for (const KeyframeId id : local.keyframes) {
+    for (const LandmarkId landmark : map.keyframe(id)->landmarks) {
+      if (landmark.valid()) local.landmarks.push_back(landmark);
+    }
+  }
+  std::sort(local.landmarks.begin(), local.landmarks.end());
+  local.landmarks.erase(std::unique(local.landmarks.begin(), local.landmarks.end()), local.landmarks.end());
+  return local;
+}
+
+int matchLocalMap(Map& map, const LocalMap& local_map, double virtual_bf_px_m, const LocalMapConfig& config,
+                  TrackedFrame& frame) {
+  std::vector<LandmarkId> matched_before;
+  std::vector<bool> taken(frame.landmarks.size(), false);
+  for (std::size_t i = 0; i < frame.landmarks.size(); ++i) {
+    if (!frame.landmarks[i].valid()) continue;
+    taken[i] = true;
+    matched_before.push_back(frame.landmarks[i]);
+    map.countVisible(frame.landmarks[i]);
+  }
+  std::sort(matched_before.begin(), matched_before.end());
+
+  constexpr double kFrontalCosine = 0.998;  // 3.6 degrees
+  std::vector<GuidedQuery> queries;
+  std::vector<LandmarkId> landmark_of_query;
+  for (const LandmarkId id : local_map.landmarks) {
+    if (std::binary_search(matched_before.begin(), matched_before.end(), id)) continue;
+    const Landmark& landmark = *map.landmark(id);
+    Sighting sighting;
+    if (!predictSighting(landmark, *frame.camera, frame.T_camera_world, config.min_view_cosine, sighting)) continue;
+    map.countVisible(id);
+    const bool frontal = sighting.view_cosine > kFrontalCosine;
+    queries.push_back(makeGuidedQuery(landmark, sighting, frontal ? config.search_radius_px : config.wide_radius_px));
+    landmark_of_query.push_back(id);
+  }
+  GuidedSearchConfig search;
+  search.ratio = 0.8F;  // neighbouring landmarks look alike at this small radius
+  search.virtual_bf_px_m = static_cast<float>(virtual_bf_px_m);
+  const auto matches = searchGuided(queries, *frame.features, frame.grid, taken, search);
+  for (const auto& match : matches) frame.landmarks[match.feature] = landmark_of_query[match.query];
+  return static_cast<int>(matches.size());
+}
+
+}  // namespace semantic_vslam

@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/tracking/tracker.h"
+
+#include <utility>
+
+#include "semantic_vslam/core/common/config_fields.h"
+
+namespace semantic_vslam {
+
+const char* stateName(TrackingState state) {
+  switch (state) {
+    case TrackingState::kInitialising: return "INITIALISING";
+    case TrackingState::kOk: return "OK";
+    case TrackingState::kRecentlyLost: return "RECENTLY_LOST";
+    case TrackingState::kLost: return "LOST";
+  }
+  return "?";
+}
+
+Tracker::Tracker(const TrackerConfig& config)
+    : config_(config), orb_(config.orb), initializer_(config.initializer, config.frame) {
+  validateConfig(config_);
+}
+
+TrackedFrame Tracker::prepare(const RgbdFrame& frame, const cv::Mat1b& dynamic) const {
+  return TrackedFrame(frame, orb_.extract(frame, dynamic));
+}
+
+TrackingResult Tracker::track(TrackedFrame frame, Map& map, bool mapper_idle) {
+  if (state_ == TrackingState::kInitialising) return initialise(std::move(frame));
+
+  PoseEstimate estimate = followLastFrame(map, frame);
+  if (estimate.success) estimate = followLocalMap(map, frame);
+  if (!estimate.success || estimate.inliers < config_.min_inliers) return trackingFailed(frame);
+
+  TrackingResult result;
+  result.state = state_ = TrackingState::kOk;
+  result.T_camera_world = frame.T_camera_world;
+  result.covariance = estimate.covariance;
+  result.reference = reference_;
+  result.features = static_cast<int>(frame.features->size());
+  result.matches = estimate.matches;
+  result.inliers = estimate.inliers;
+  result.keyframe_is_due = keyframeIsDue(map, frame, estimate.inliers, mapper_idle);
+  const auto frames_between = static_cast<double>(frame.index - last_->index);
+  velocity_ = interpolate(SE3::Identity(), frame.T_camera_world * last_->T_camera_world.inverse(),
+                          1.0 / std::max(1.0, frames_between));
+  last_ = std::move(frame);
+  return result;
+}
+
+TrackingResult Tracker::initialise(TrackedFrame frame) {
+  TrackingResult result;
+  result.features = static_cast<int>(frame.features->size());
+  result.first_frame = initializer_.offer(frame);
+  return result;
+}
+
+PoseEstimate Tracker::followLastFrame(const Map& map, TrackedFrame& frame) const {
+  const SE3 start = last_->T_camera_world;
+  const double frames_between = static_cast<double>(frame.index - last_->index);
+  const SE3 predicted = velocity_ ? interpolate(SE3::Identity(), *velocity_, frames_between) * start : start;
+  PoseEstimate estimate = trackFromLastFrame(map, *last_, predicted, config_.frame, frame);
+  if (estimate.success) return estimate;
+  if (const Keyframe* reference = map.keyframe(reference_)) {
+    estimate = trackFromKeyframe(map, *reference, start, config_.frame, frame);
+  }
+  return estimate;
+}
+
+PoseEstimate Tracker::followLocalMap(Map& map, TrackedFrame& frame) {
+  const LocalMap local_map = selectLocalMap(map, frame, config_.local_map);
+  if (local_map.keyframes.empty()) return {};
+  const double virtual_bf_px_m = frame.camera->fx() * config_.frame.virtual_baseline_m;
+  matchLocalMap(map, local_map, virtual_bf_px_m, config_.local_map, frame);
+  const PoseEstimate estimate = refinePose(map, config_.frame, frame);
+  if (!estimate.success) return estimate;
+  reference_ = local_map.reference;
+  for (const LandmarkId id : frame.landmarks) {
+    if (id.valid()) map.countFound(id);
+  }
+  return estimate;
+}
+
+TrackingResult Tracker::trackingFailed(TrackedFrame& frame) {
+  const double since_s = secondsBetween(last_->stamp, frame.stamp);
+  TrackingResult result;
+  result.features = static_cast<int>(frame.features->size());
+  result.reference = reference_;
+  result.state = state_ =
+      since_s <= config_.recently_lost_s && velocity_ ? TrackingState::kRecentlyLost : TrackingState::kLost;
+  if (state_ == TrackingState::kRecentlyLost) {
+    const double frames_between = static_cast<double>(frame.index - last_->index);
+    result.T_camera_world = interpolate(SE3::Identity(), *velocity_, frames_between) * last_->T_camera_world;
+    // A hand's acceleration of about 1 m/s^2 and 1 rad/s^2, left unseen for since_s.
+    const double sigma = 0.5 * since_s * since_s + 0.01;
+    result.covariance = sigma * sigma * Matrix6d::Identity();
+  } else {
+    velocity_.reset();
+  }
+  return result;
+}
+
+bool Tracker::keyframeIsDue(const Map& map, const TrackedFrame& frame, int inliers, bool mapper_idle) const {
+  const Keyframe* reference = map.keyframe(reference_);
+  if (!reference) return true;
+  KeyframeEvidence evidence;
+  evidence.frames_since_keyframe = static_cast<int>(frame.index - last_keyframe_index_);
+  evidence.tracked = inliers;
+  // A young map has nothing that three keyframes confirm.
+  constexpr std::size_t kYoungMap = 3;
+  evidence.reference_tracked = countConfirmed(map, *reference, map.keyframes().size() < kYoungMap ? 1 : 3);
+  evidence.mapper_idle = mapper_idle;
+  countClose(frame, config_.keyframe.close_baselines * config_.frame.virtual_baseline_m, evidence);
+  return semantic_vslam::keyframeIsDue(evidence, config_.keyframe);
+}
+
+void Tracker::keyframeInserted(const Map& map, KeyframeId id) {
+  reference_ = id;
+  last_->landmarks = map.keyframe(id)->landmarks;
+  last_keyframe_index_ = last_->index;
+}
+
+void Tracker::startFrom(TrackedFrame frame, KeyframeId reference) {
+  state_ = TrackingState::kOk;
+  velocity_.reset();
+  last_keyframe_index_ = frame.index;
+  last_ = std::move(frame);
+  reference_ = reference;
+}
+
+void Tracker::mapMoved(const SE3& T_old_new) {
+  if (last_) last_->T_camera_world = last_->T_camera_world * T_old_new;
+}
+
+void Tracker::reset() {
+  initializer_.reset();
+  state_ = TrackingState::kInitialising;
+  last_.reset();
+  velocity_.reset();
+  reference_ = KeyframeId();
+  last_keyframe_index_ = 0;
+}
+
+}  // namespace semantic_vslam

@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "semantic_vslam/core/dense/free_space.h"
+#include "semantic_vslam/core/dense/keyframe_cloud.h"
+#include "semantic_vslam/core/dense/occupancy_grid.h"
+#include "semantic_vslam/core/dense/semantic_octree.h"
+#include "semantic_vslam/core/dense/voxel_map.h"
+
+namespace semantic_vslam {
+
+struct DenseConfig {
+  bool enabled = true;
+  double cloud_resolution_m = 0.01;
+  double reanchor_translation_m = 0.01;
+  double reanchor_rotation_deg = 0.5;
+  int rebuild_keyframes_per_call = 4;
+  int memory_mb = 256;
+  KeyframeCloudConfig keyframe;
+  VoxelMapConfig voxels;
+  OccupancyGridConfig grid;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.flag("enabled", enabled, "false: no dense map is made");
+    v.field("cloud_resolution_m", cloud_resolution_m, 0.002, 1.0,
+            "one point of the cloud for each cube of this edge; 1 cm is the depth noise of a Kinect at 2.3 m");
+    v.field("reanchor_translation_m", reanchor_translation_m, 0.0, 1.0,
+            "the map is rebuilt when a keyframe's pose has moved by more than this; a third of a voxel");
+    v.field("reanchor_rotation_deg", reanchor_rotation_deg, 0.0, 45.0,
+            "or turned by more than this; 0.5 deg are 1.7 cm at 2 m");
+    v.field("rebuild_keyframes_per_call", rebuild_keyframes_per_call, 1, 10000,
+            "keyframes that one call adds again during a rebuild; each takes about as long as a new one");
+    v.field("memory_mb", memory_mb, 8, 1 << 16,
+            "for the kept keyframe clouds; above it the oldest are thinned, the occupancy map is not");
+    v.group("keyframe", keyframe);
+    v.group("voxels", voxels);
+    v.group("grid", grid);
+  }
+};
+
+/// The dense map: keyframes in, labelled cloud, OctoMap and navigation grid out. Each keyframe's static surface is kept
+/// in its own camera frame. When optimisation or a loop moves poses, the map is built again from them, a few keyframes
+/// a call, while the old one is still served.
+///
+/// Knows no thread: the caller serialises all calls. Not cheap, and const: cloud, grid, octree and saving.
+class DenseMapper {
+ public:
+  /// @throws ConfigError
+  DenseMapper(const DenseConfig& config, const LabelSet& labels);
+
+  /// Adds a keyframe; during a rebuild it appears when the new map does. Also does one slice of a rebuild.
+  /// @param labels   indices into the label set, of the frame's size, or empty
+  /// @param dynamic  MotionResult::dynamic, of the frame's size, or empty
+  /// @return false, with nothing changed, if the images differ in size, the pose is not finite or the id is known.
+  bool add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
+           const SE3& T_world_camera);
+
+  /// Takes the poses of all keyframes as they stand. One that is held here but is not among them was culled: it moves
+  /// with the nearest that is left. Starts a rebuild if any pose moved far enough, and does one slice of it.
+  void updatePoses(const std::vector<KeyframePose>& poses);
+
+  /// A rebuild is under way, or will be: what is served has old poses or misses keyframes.
+  bool busy() const { return next_.has_value(); }
+  /// Does one slice of a rebuild; nothing when not busy.
+  void work();
+  /// Does all of it. Call before saving.
+  void finish();
+
+  /// One point per cube of cloud_resolution_m on an occupied voxel: mean position and colour, label by the votes of all
+  /// keyframes. World frame, in a fixed order.
+  std::vector<LabelledPoint> cloud() const;
+  /// @param T_map_world  into a frame with z up
+  OccupancyGrid projectedMap(const SE3& T_map_world) const;
+  OctreeMessage binaryOctree() const { return semantic_vslam::binaryOctree(served_.voxels); }
+  OctreeMessage fullOctree() const { return semantic_vslam::fullOctree(served_.voxels); }
+
+  /// Each writes the file whole or not at all. @throws FileError naming path and cause.
+  void saveCloud(const std::string& path) const;
+  void saveOctomap(const std::string& path) const;
+
+  void clear();
+
+  const VoxelMap& voxelMap() const { return served_.voxels; }
+  const LabelSet& labels() const { return labels_; }
+  std::size_t voxels() const { return served_.voxels.size(); }  ///< known, in the served map
+  std::size_t keyframes() const { return keyframes_.size(); }   ///< held
+  std::size_t rebuilds() const { return rebuilds_; }            ///< completed
+  std::size_t memoryBytes() const;                              ///< of the kept clouds and the voxel maps
+
+ private:
+  struct Kept {
+    KeyframeCloud cloud;
+    FreeSpaceView view;
+    SE3 T_world_camera = SE3::Identity();  ///< newest known
+    int thinned = 0;                       ///< times the cloud's resolution was halved
+  };
+  /// A map with the poses it was built from.
+  struct Version {
+    VoxelMap voxels;
+    std::map<KeyframeId, SE3> T_world_camera;
+  };
+
+  void integrate(KeyframeId id, Version& version) const;
+  bool stale() const;
+  void thinToBudget();
+
+  DenseConfig config_;
+  LabelSet labels_;
+  std::map<KeyframeId, Kept> keyframes_;
+  std::size_t kept_bytes_ = 0;
+  Version served_;
+  std::optional<Version> next_;
+  std::size_t rebuilds_ = 0;
+};
+
+}  // namespace semantic_vslam

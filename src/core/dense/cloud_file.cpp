@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/dense/cloud_file.h"
+
+#include <cstring>
+
+#include "semantic_vslam/core/io/atomic_file.h"
+
+namespace semantic_vslam {
+namespace {
+
+void appendLittleEndian(std::string& out, std::uint32_t value) {
+  for (int byte = 0; byte < 4; ++byte) out.push_back(static_cast<char>(value >> (8 * byte) & 0xFF));
+}
+
+void appendFloat(std::string& out, float value) {
+  std::uint32_t bits = 0;
+  static_assert(sizeof(bits) == sizeof(value), "PCD fields are IEEE 754 single precision");
+  std::memcpy(&bits, &value, sizeof(bits));
+  appendLittleEndian(out, bits);
+}
+
+std::string pcdHeader(std::size_t points) {
+  const std::string count = std::to_string(points);
+  return "# .PCD v0.7 - Point Cloud Data file format\n"
+         "VERSION 0.7\n"
+         "FIELDS x y z rgb label\n"
+         "SIZE 4 4 4 4 4\n"
+         "TYPE F F F F U\n"
+         "COUNT 1 1 1 1 1\n"
+         "WIDTH " +
+         count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
+}
+
+}  // namespace
+
+void writePcd(const std::vector<LabelledPoint>& points, const std::string& path) {
+  constexpr std::size_t kPointBytes = 20;
+  std::string content = pcdHeader(points.size());
+  content.reserve(content.size() + kPointBytes * points.size());
+  for (const LabelledPoint& point : points) {
+    for (int axis = 0; axis < 3; ++axis) appendFloat(content, point.xyz_m[axis]);
+    appendLittleEndian(content, static_cast<std::uint32_t>(point.bgr[2]) << 16 |
+                                    static_cast<std::uint32_t>(point.bgr[1]) << 8 | point.bgr[0]);
+    appendLittleEndian(content, point.label);
+  }
+  writeTextAtomically(path, content);
+}
+
+}  // namespace semantic_vslam

@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/dense/dense_mapper.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/dense/cloud_file.h"
+
+namespace semantic_vslam {
+namespace {
+
+// A cloud thinned so often has a 64th of its points or less, and is coarser than the voxels: it stays as it is.
+constexpr int kMostThinned = 3;
+
+const DenseConfig& validated(const DenseConfig& config) {
+  validateConfig(config);
+  return config;
+}
+
+bool fits(const RgbdFrame& frame, const cv::Mat1b& image) {
+  return image.empty() || image.size() == frame.depth_m.size();
+}
+
+std::size_t bytesOf(const KeyframeCloud& cloud, const FreeSpaceView& view) {
+  return cloud.points.capacity() * sizeof(LabelledPoint) + view.free_mm.total() * sizeof(std::uint16_t);
+}
+
+cv::Vec3f transform(const SE3& T, const cv::Vec3f& p) {
+  const Eigen::Vector3f q = (T * Eigen::Vector3d(p[0], p[1], p[2])).cast<float>();
+  return {q.x(), q.y(), q.z()};
+}
+
+}  // namespace
+
+DenseMapper::DenseMapper(const DenseConfig& config, const LabelSet& labels)
+    : config_(validated(config)), labels_(labels), served_{VoxelMap(config.voxels), {}} {}
+
+bool DenseMapper::add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
+                      const SE3& T_world_camera) {
+  const bool usable = frame.camera != nullptr && !frame.depth_m.empty() && fits(frame, labels) && fits(frame, dynamic);
+  if (!usable || !T_world_camera.matrix().allFinite() || keyframes_.count(id) > 0) return false;
+  const cv::Mat1b excluded = excludedPixels(frame.depth_m.size(), labels, dynamic, labels_, config_.keyframe);
+  Kept kept;
+  kept.cloud = makeKeyframeCloud(id, frame, labels, excluded, config_.keyframe);
+  kept.cloud.points = voxelFilter(kept.cloud.points, config_.cloud_resolution_m);
+  kept.view = makeFreeSpaceView(frame, excluded, config_.keyframe.depth_noise_m_per_m2);
+  kept.T_world_camera = T_world_camera;
+  kept_bytes_ += bytesOf(kept.cloud, kept.view);
+  keyframes_.emplace(id, std::move(kept));
+  thinToBudget();
+  if (busy()) {
+    work();
+  } else {
+    integrate(id, served_);
+  }
+  return true;
+}
+
+void DenseMapper::integrate(KeyframeId id, Version& version) const {
+  const Kept& kept = keyframes_.at(id);
+  version.voxels.integrate(kept.cloud.points, kept.view, kept.T_world_camera);
+  version.T_world_camera[id] = kept.T_world_camera;
+}
+
+void DenseMapper::updatePoses(const std::vector<KeyframePose>& poses) {
+  std::map<KeyframeId, SE3> T_world_camera_new;
+  for (const KeyframePose& pose : poses) {
+    if (keyframes_.count(pose.keyframe) > 0 && pose.T_world_camera.matrix().allFinite()) {
+      T_world_camera_new[pose.keyframe] = pose.T_world_camera;
+    }
+  }
+  if (T_world_camera_new.empty()) return;
+  std::map<KeyframeId, SE3> T_world_camera_culled;
+  for (const auto& [id, kept] : keyframes_) {
+    if (T_world_camera_new.count(id) > 0) continue;
+    KeyframeId nearest;
+    double nearest_m = std::numeric_limits<double>::max();
+    for (const auto& [other, pose] : T_world_camera_new) {
+      const SE3& T_world_other = keyframes_.at(other).T_world_camera;
+      const double distance_m = (T_world_other.translation() - kept.T_world_camera.translation()).norm();
+      if (distance_m < nearest_m) {
+        nearest_m = distance_m;
+        nearest = other;
+      }
+    }
+    const SE3 T_new_old = T_world_camera_new.at(nearest) * keyframes_.at(nearest).T_world_camera.inverse();
+    T_world_camera_culled[id] = T_new_old * kept.T_world_camera;
+  }
+  T_world_camera_new.merge(T_world_camera_culled);
+  for (const auto& [id, pose] : T_world_camera_new) keyframes_.at(id).T_world_camera = pose;
+  if (!busy() && stale()) next_.emplace(Version{VoxelMap(config_.voxels), {}});
+  work();
+}
+
+bool DenseMapper::stale() const {
+  const double limit_rad = config_.reanchor_rotation_deg * CV_PI / 180.0;
+  return std::any_of(keyframes_.begin(), keyframes_.end(), [&](const auto& item) {
+    const auto built = served_.T_world_camera.find(item.first);
+    if (built == served_.T_world_camera.end()) return true;
+    const SE3 moved = built->second.inverse() * item.second.T_world_camera;
+    return moved.translation().norm() > config_.reanchor_translation_m || rotationAngle(moved) > limit_rad;
+  });
+}
+
+void DenseMapper::work() {
+  if (!busy()) return;
+  int budget = config_.rebuild_keyframes_per_call;
+  for (const auto& [id, kept] : keyframes_) {
+    if (next_->T_world_camera.count(id) > 0) continue;
+    if (budget-- == 0) return;
+    integrate(id, *next_);
+  }
+  served_ = std::move(*next_);
+  next_.reset();
+  ++rebuilds_;
+  // Poses that moved during the rebuild: once more, later. Never start over before one is complete.
+  if (stale()) next_.emplace(Version{VoxelMap(config_.voxels), {}});
+}
+
+void DenseMapper::finish() {
+  while (busy()) work();
+}
+
+void DenseMapper::thinToBudget() {
+  const auto budget_bytes = static_cast<std::size_t>(config_.memory_mb) << 20;
+  for (int thinned = 0; thinned < kMostThinned && kept_bytes_ > budget_bytes; ++thinned) {
+    for (auto& [id, kept] : keyframes_) {
+      if (kept_bytes_ <= budget_bytes) return;
+      if (kept.thinned != thinned) continue;
+      kept_bytes_ -= bytesOf(kept.cloud, kept.view);
+      const double cell_m = config_.cloud_resolution_m * (2 << kept.thinned);
+      kept.cloud.points = voxelFilter(kept.cloud.points, cell_m);
+      kept.cloud.points.shrink_to_fit();
+      ++kept.thinned;
+      kept_bytes_ += bytesOf(kept.cloud, kept.view);
+    }
+  }
+}
+
+std::vector<LabelledPoint> DenseMapper::cloud() const {
+  std::vector<LabelledPoint> points;
+  for (const auto& [id, T_world_camera] : served_.T_world_camera) {
+    for (const LabelledPoint& point : keyframes_.at(id).cloud.points) {
+      const cv::Vec3f xyz_m = transform(T_world_camera, point.xyz_m);
+      const Voxel voxel = served_.voxels.voxelAt({xyz_m[0], xyz_m[1], xyz_m[2]});
+      if (voxel.state == Occupancy::kOccupied) points.push_back({xyz_m, point.bgr, voxel.label});
+    }
+  }
+  return voxelFilter(points, config_.cloud_resolution_m);
+}
+
+OccupancyGrid DenseMapper::projectedMap(const SE3& T_map_world) const {
+  return projectToGrid(served_.voxels, T_map_world, config_.grid);
+}
+
+void DenseMapper::saveCloud(const std::string& path) const { writePcd(cloud(), path); }
+
+void DenseMapper::saveOctomap(const std::string& path) const { saveOctree(served_.voxels, path); }
+
+void DenseMapper::clear() {
+  keyframes_.clear();
+  kept_bytes_ = 0;
+  next_.reset();
+  served_ = Version{VoxelMap(config_.voxels), {}};
+}
+
+std::size_t DenseMapper::memoryBytes() const {
+  return kept_bytes_ + served_.voxels.memoryBytes() + (next_ ? next_->voxels.memoryBytes() : 0);
+}
+
+}  // namespace semantic_vslam

@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/dense/keyframe_cloud.h"
+
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "label_votes.h"
+#include "voxel_key.h"
+
+namespace semantic_vslam {
+namespace {
+
+constexpr std::uint8_t kDynamic = 128;  // as MotionResult::dynamic defines it
+
+/// 255 for the classes of people: a table to look labels up in.
+cv::Mat1b personTable(const LabelSet& label_set) {
+  cv::Mat1b table(1, 256, std::uint8_t{0});
+  for (int label = 0; label < 256; ++label) {
+    if (label_set.mobility(static_cast<std::uint8_t>(label)) == Mobility::kPerson) table(0, label) = 255;
+  }
+  return table;
+}
+
+/// Mean position and colour and the most frequent label of points that share a cube.
+class CellMean {
+ public:
+  void add(const LabelledPoint& point) {
+    xyz_m_ += cv::Vec3d(point.xyz_m);
+    bgr_ += cv::Vec3d(point.bgr);
+    votes_.add(point.label);
+    ++count_;
+  }
+
+  LabelledPoint mean() const {
+    return {cv::Vec3f(xyz_m_ / count_), cv::Vec3b(bgr_ / count_), votes_.winner()};  // colour is rounded by OpenCV
+  }
+
+ private:
+  cv::Vec3d xyz_m_, bgr_;
+  LabelVotes votes_;
+  int count_ = 0;
+};
+
+}  // namespace
+
+cv::Mat1b excludedPixels(const cv::Size& size, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
+                         const LabelSet& label_set, const KeyframeCloudConfig& config) {
+  assert(labels.empty() || labels.size() == size);
+  assert(dynamic.empty() || dynamic.size() == size);
+  cv::Mat1b excluded(size, std::uint8_t{0});
+  if (!labels.empty()) cv::LUT(labels, personTable(label_set), excluded);
+  if (!dynamic.empty()) excluded |= (dynamic >= kDynamic);
+  if (config.dynamic_margin_px > 0) {
+    const int side = 2 * config.dynamic_margin_px + 1;  // a square: separable, ten times cheaper than a disc
+    cv::dilate(excluded, excluded, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
+  }
+  return excluded;
+}
+
+cv::Mat1b depthEdges(const cv::Mat1f& depth_m, double focal_px, const KeyframeCloudConfig& config) {
+  constexpr float kNone = 1e6F;  // missing depth must not count as the minimum
+  cv::Mat1f nearest = depth_m.clone(), farthest;
+  nearest.setTo(kNone, depth_m == 0.0F);
+  cv::erode(nearest, nearest, cv::Mat());
+  cv::dilate(depth_m, farthest, cv::Mat());
+  // The window of 3x3 px spans two pixel steps.
+  const auto slope = static_cast<float>(2.0 / focal_px * std::tan(config.max_incidence_deg * CV_PI / 180.0));
+  const auto noise = static_cast<float>(3.0 * config.depth_noise_m_per_m2);
+  cv::Mat1b edges(depth_m.size(), std::uint8_t{0});
+  for (int v = 0; v < depth_m.rows; ++v) {
+    const float *low = nearest[v], *high = farthest[v];
+    std::uint8_t* edge = edges[v];
+    for (int u = 0; u < depth_m.cols; ++u) {
+      const float limit_m = low[u] * (slope + noise * low[u]);
+      edge[u] = high[u] - low[u] > limit_m ? 255 : 0;
+    }
+  }
+  return edges;
+}
+
+KeyframeCloud makeKeyframeCloud(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& labels,
+                                const cv::Mat1b& excluded, const KeyframeCloudConfig& config) {
+  assert(labels.empty() || labels.size() == frame.depth_m.size());
+  assert(excluded.empty() || excluded.size() == frame.depth_m.size());
+  const cv::Mat1b edges = depthEdges(frame.depth_m, frame.camera->fx(), config);
+  const auto min_m = static_cast<float>(config.min_depth_m), max_m = static_cast<float>(config.max_depth_m);
+  KeyframeCloud cloud{id, frame.stamp, {}};
+  for (int v = 0; v < frame.depth_m.rows; v += config.stride_px) {
+    for (int u = 0; u < frame.depth_m.cols; u += config.stride_px) {
+      const float z_m = frame.depth_m(v, u);
+      if (!(z_m >= min_m && z_m <= max_m) || edges(v, u) != 0) continue;
+      if (!excluded.empty() && excluded(v, u) != 0) continue;
+      const cv::Vec2f& ray = frame.camera->rays()(v, u);
+      const std::uint8_t label = labels.empty() ? std::uint8_t{0} : labels(v, u);
+      cloud.points.push_back({{ray[0] * z_m, ray[1] * z_m, z_m}, frame.bgr(v, u), label});
+    }
+  }
+  return cloud;
+}
+
+std::vector<LabelledPoint> voxelFilter(const std::vector<LabelledPoint>& points, double cell_m) {
+  const std::vector<KeyedPoint> keyed = sortByVoxel(points, SE3::Identity(), cell_m);
+  std::vector<LabelledPoint> filtered;
+  CellMean cell;
+  for (std::size_t i = 0; i < keyed.size(); ++i) {
+    cell.add(points[keyed[i].index]);
+    if (i + 1 == keyed.size() || keyed[i + 1].key != keyed[i].key) {
+      filtered.push_back(cell.mean());
+      cell = CellMean();
+    }
+  }
+  return filtered;
+}
+
+}  // namespace semantic_vslam

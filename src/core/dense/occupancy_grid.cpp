@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/dense/occupancy_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/error.h"
+
+namespace semantic_vslam {
+namespace {
+
+/// One known voxel of the height band.
+struct BandVoxel {
+  int x, y, layer;  // cells of the grid, from any origin; layer counts voxels upwards
+  bool occupied;
+};
+
+std::vector<BandVoxel> voxelsInBand(const VoxelMap& map, const SE3& T_map_world, const OccupancyGridConfig& config) {
+  std::vector<BandVoxel> band;
+  map.forEachKnown([&](const Voxel& voxel) {
+    const Eigen::Vector3d p_map = T_map_world * map.centre(voxel.index);
+    const double height_m = p_map.z() - config.floor_height_m;
+    if (height_m < config.min_height_m || height_m > config.max_height_m) return;
+    band.push_back({static_cast<int>(std::floor(p_map.x() / config.resolution_m)),
+                    static_cast<int>(std::floor(p_map.y() / config.resolution_m)),
+                    static_cast<int>(std::floor((height_m - config.min_height_m) / map.resolution())),
+                    voxel.state == Occupancy::kOccupied});
+  });
+  return band;
+}
+
+OccupancyGrid emptyGrid(const std::vector<BandVoxel>& band, double resolution_m) {
+  OccupancyGrid grid;
+  grid.resolution_m = resolution_m;
+  if (band.empty()) return grid;
+  const auto [min_x, max_x] = std::minmax_element(band.begin(), band.end(), [](auto& a, auto& b) { return a.x < b.x; });
+  const auto [min_y, max_y] = std::minmax_element(band.begin(), band.end(), [](auto& a, auto& b) { return a.y < b.y; });
+  grid.width = max_x->x - min_x->x + 1;
+  grid.height = max_y->y - min_y->y + 1;
+  grid.origin_x_m = min_x->x * resolution_m;
+  grid.origin_y_m = min_y->y * resolution_m;
+  grid.cells.assign(static_cast<std::size_t>(grid.width) * grid.height, OccupancyGrid::kUnknown);
+  return grid;
+}
+
+}  // namespace
+
+OccupancyGrid projectToGrid(const VoxelMap& map, const SE3& T_map_world, const OccupancyGridConfig& config) {
+  validateConfig(config);
+  if (config.max_height_m <= config.min_height_m) {
+    throw ConfigError("configuration key 'max_height_m' is " + std::to_string(config.max_height_m) +
+                      ", must be above min_height_m, which is " + std::to_string(config.min_height_m));
+  }
+  std::vector<BandVoxel> band = voxelsInBand(map, T_map_world, config);
+  OccupancyGrid grid = emptyGrid(band, config.resolution_m);
+  // Columns of layers, each counted once: several turned voxels can share a layer of a cell.
+  std::sort(band.begin(), band.end(), [](const BandVoxel& a, const BandVoxel& b) {
+    return std::tie(a.y, a.x, a.layer) < std::tie(b.y, b.x, b.layer);
+  });
+  const int min_x = static_cast<int>(std::lround(grid.origin_x_m / config.resolution_m));
+  const int min_y = static_cast<int>(std::lround(grid.origin_y_m / config.resolution_m));
+  for (std::size_t i = 0; i < band.size();) {
+    const BandVoxel column = band[i];
+    bool occupied = false;
+    int layers = 0;
+    int last_layer = -1;
+    for (; i < band.size() && band[i].x == column.x && band[i].y == column.y; ++i) {
+      occupied = occupied || band[i].occupied;
+      if (band[i].layer != last_layer) ++layers;
+      last_layer = band[i].layer;
+    }
+    std::int8_t& cell = grid.cells[static_cast<std::size_t>(column.y - min_y) * grid.width + (column.x - min_x)];
+    if (occupied) {
+      cell = OccupancyGrid::kOccupied;
+    } else if (layers * map.resolution() >= config.free_height_m) {
+      cell = OccupancyGrid::kFree;
+    }
+  }
+  return grid;
+}
+
+}  // namespace semantic_vslam

@@ -1,0 +1,336 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/dense/voxel_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <unordered_map>
+
+#include "label_votes.h"
+#include "semantic_vslam/core/common/config_fields.h"
+#include "voxel_key.h"
+
+namespace semantic_vslam {
+namespace {
+
+using LogOdds = std::int16_t;  // in thousandths: exact sums, the same on every machine
+constexpr double kLogOddsUnit = 0.001;
+constexpr LogOdds kUnknown = std::numeric_limits<LogOdds>::min();
+constexpr float kHalfDiagonal = 0.866F;  // of a unit cube
+
+LogOdds logOdds(double probability) {
+  return static_cast<LogOdds>(std::lround(std::log(probability / (1.0 - probability)) / kLogOddsUnit));
+}
+
+/// What is kept of a voxel that ever held a point.
+struct Surface {
+  std::uint32_t last_hit = 0;                 ///< keyframe counter
+  std::uint16_t hits = 0, misses = 0;         ///< saturate
+  std::array<std::uint16_t, 3> bgr_256ths{};  ///< running mean
+  LabelVotes votes;
+};
+
+void countUp(std::uint16_t& count) {
+  if (count < std::numeric_limits<std::uint16_t>::max()) ++count;
+}
+
+struct Block {
+  std::array<LogOdds, kBlockVoxels> log_odds;
+  std::vector<std::uint16_t> slot;  // place + 1 in surfaces, 0 = none; empty in a block that was only ever seen free
+  std::vector<Surface> surfaces;
+
+  Block() { log_odds.fill(kUnknown); }
+
+  const Surface* surface(int local) const {
+    return slot.empty() || slot[local] == 0 ? nullptr : &surfaces[slot[local] - 1];
+  }
+  Surface* surface(int local) { return const_cast<Surface*>(static_cast<const Block*>(this)->surface(local)); }
+
+  Surface& makeSurface(int local) {
+    if (slot.empty()) slot.assign(kBlockVoxels, 0);
+    if (slot[local] == 0) {
+      surfaces.emplace_back();
+      slot[local] = static_cast<std::uint16_t>(surfaces.size());
+    }
+    return surfaces[slot[local] - 1];
+  }
+};
+
+/// What one keyframe's points say of one voxel.
+struct Observation {
+  cv::Vec3d bgr;
+  LabelVotes votes;
+  int points = 0;
+
+  void add(const LabelledPoint& point) {
+    bgr += cv::Vec3d(point.bgr);
+    votes.add(point.label);
+    ++points;
+  }
+};
+
+/// A keyframe counts once, however many points it has: a voxel seen from near would otherwise never change again.
+void fuse(const Observation& observation, Surface& surface) {
+  constexpr int kColourMemory = 30;  // keyframes; older light fades
+  countUp(surface.hits);
+  const int weight = std::min<int>(surface.hits, kColourMemory);
+  for (int channel = 0; channel < 3; ++channel) {
+    const double mean = 256.0 * observation.bgr[channel] / observation.points;
+    double value = surface.bgr_256ths[channel];
+    value += (mean - value) / weight;
+    surface.bgr_256ths[channel] = static_cast<std::uint16_t>(std::lround(std::clamp(value, 0.0, 65535.0)));
+  }
+  surface.votes.add(observation.votes.winner());
+}
+
+/// Depth up to which a voxel's centre is certainly in free space, for every cell of a view and for voxels of several
+/// sizes in the image: the nearest surface within the voxel's outline counts.
+class FreeLimits {
+ public:
+  FreeLimits(const FreeSpaceView& view, const VoxelMapConfig& config)
+      : voxel_radius_cells_at_1m_(view.fx_cells * kHalfDiagonal * config.resolution_m) {
+    cv::Mat1f free_m;
+    view.free_mm.convertTo(free_m, CV_32F, 0.001);
+    const cv::Mat silent = free_m == 0.0F;
+    free_m.setTo(1e6F, silent);  // a silent cell limits only itself
+    for (int i = 0; i < kTables; ++i) {
+      const int side = 2 * (1 << i) + 1;
+      cv::erode(free_m, tables_[i], cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
+      for (float& z_m : tables_[i]) z_m = limit(z_m, config);
+      tables_[i].setTo(0.0F, silent);
+    }
+    double farthest = 0.0;
+    cv::minMaxLoc(tables_[0], nullptr, &farthest);
+    farthest_m_ = static_cast<float>(farthest);
+  }
+
+  /// @return limits in metres, a cell each, for voxels at this depth; 0 = says nothing.
+  const cv::Mat1f& at(float z_m) const {
+    int table = 0;
+    while (table + 1 < kTables && (1 << table) + 0.5 < voxel_radius_cells_at_1m_ / z_m) ++table;
+    return tables_[table];
+  }
+  float farthest() const { return farthest_m_; }
+
+ private:
+  static float limit(float free_m, const VoxelMapConfig& config) {
+    const double in_range_m = std::min<double>(free_m, config.free_range_m);
+    return static_cast<float>(std::max(0.0, in_range_m - kHalfDiagonal * config.resolution_m));
+  }
+
+  static constexpr int kTables = 4;  // radius 1, 2, 4, 8 cells
+  double voxel_radius_cells_at_1m_;
+  std::array<cv::Mat1f, kTables> tables_;
+  float farthest_m_ = 0.0F;
+};
+
+}  // namespace
+
+struct VoxelMap::Impl {
+  explicit Impl(const VoxelMapConfig& map_config)
+      : config(map_config),
+        hit(logOdds(config.hit_probability)),
+        miss(logOdds(config.miss_probability)),
+        lowest(logOdds(config.min_probability)),
+        highest(logOdds(config.max_probability)) {}
+
+  void change(LogOdds& value, LogOdds step) {
+    if (value == kUnknown) {
+      value = 0;
+      ++known;
+    }
+    value = std::clamp<LogOdds>(static_cast<LogOdds>(value + step), lowest, highest);
+  }
+
+  void insertPoints(const std::vector<LabelledPoint>& points, const SE3& T_world_camera);
+  void hitVoxel(VoxelKey key, const Observation& observation);
+  void carve(const FreeSpaceView& view, const SE3& T_world_camera);
+  void carveBlock(const Eigen::Vector3i& block_index, const SE3& T_camera_world, const FreeSpaceView& view,
+                  const FreeLimits& limits);
+  Occupancy state(LogOdds value, const Surface* surface) const;
+  Voxel describe(const Eigen::Vector3i& index, LogOdds value, const Surface* surface) const;
+
+  VoxelMapConfig config;
+  LogOdds hit, miss, lowest, highest;
+  std::unordered_map<VoxelKey, Block> blocks;  // by VoxelKey >> 9; walked in sorted order only
+  std::uint32_t keyframes = 0;
+  std::size_t known = 0;
+};
+
+void VoxelMap::Impl::insertPoints(const std::vector<LabelledPoint>& points, const SE3& T_world_camera) {
+  const std::vector<KeyedPoint> keyed = sortByVoxel(points, T_world_camera, config.resolution_m);
+  Observation observation;
+  for (std::size_t i = 0; i < keyed.size(); ++i) {
+    observation.add(points[keyed[i].index]);
+    if (i + 1 == keyed.size() || keyed[i + 1].key != keyed[i].key) {
+      hitVoxel(keyed[i].key, observation);
+      observation = Observation();
+    }
+  }
+}
+
+void VoxelMap::Impl::hitVoxel(VoxelKey key, const Observation& observation) {
+  Block& block = blocks[key >> (3 * kBlockBits)];
+  const int local = static_cast<int>(key & (kBlockVoxels - 1));
+  change(block.log_odds[local], hit);
+  Surface& surface = block.makeSurface(local);
+  surface.last_hit = keyframes;
+  fuse(observation, surface);
+}
+
+void VoxelMap::Impl::carve(const FreeSpaceView& view, const SE3& T_world_camera) {
+  const FreeLimits limits(view, config);
+  if (limits.farthest() <= 0.0F) return;
+  const double block_m = kBlockSide * config.resolution_m;
+  // Blocks in the box around the camera and the four corners of its view at the farthest free depth.
+  Eigen::Vector3d low = T_world_camera.translation(), high = low;
+  for (const double col : {-0.5, view.free_mm.cols - 0.5}) {
+    for (const double row : {-0.5, view.free_mm.rows - 0.5}) {
+      const Eigen::Vector3d ray((col - view.cx_cells) / view.fx_cells, (row - view.cy_cells) / view.fy_cells, 1.0);
+      const Eigen::Vector3d corner = T_world_camera * (ray * limits.farthest());
+      low = low.cwiseMin(corner);
+      high = high.cwiseMax(corner);
+    }
+  }
+  const Eigen::Vector3i first = voxelIndexAt(low, block_m), last = voxelIndexAt(high, block_m);
+  if (!inVoxelRange(first * kBlockSide) || !inVoxelRange((last + Eigen::Vector3i::Ones()) * kBlockSide)) return;
+  const SE3 T_camera_world = T_world_camera.inverse();
+  Eigen::Vector3i index;
+  for (index.x() = first.x(); index.x() <= last.x(); ++index.x()) {
+    for (index.y() = first.y(); index.y() <= last.y(); ++index.y()) {
+      for (index.z() = first.z(); index.z() <= last.z(); ++index.z()) carveBlock(index, T_camera_world, view, limits);
+    }
+  }
+}
+
+void VoxelMap::Impl::carveBlock(const Eigen::Vector3i& block_index, const SE3& T_camera_world,
+                                const FreeSpaceView& view, const FreeLimits& limits) {
+  const double voxel_m = config.resolution_m, block_m = kBlockSide * voxel_m;
+  const Eigen::Vector3d centre = T_camera_world * ((block_index.cast<double>().array() + 0.5) * block_m).matrix();
+  const double radius_m = kHalfDiagonal * block_m;
+  if (centre.z() + radius_m <= 0.0 || centre.z() - radius_m >= limits.farthest()) return;
+  if (centre.z() > 2.0 * radius_m) {  // outside the image for sure?
+    const double nearest_z = centre.z() - radius_m;
+    const double u = view.fx_cells * centre.x() / centre.z() + view.cx_cells;
+    const double v = view.fy_cells * centre.y() / centre.z() + view.cy_cells;
+    // The sphere's outline is within radius/nearest_z * (1 + tan) of its centre; 2 covers views up to 90 degrees.
+    const double reach = 2.0 * std::max(view.fx_cells, view.fy_cells) * radius_m / nearest_z;
+    if (u < -reach || v < -reach || u > view.free_mm.cols + reach || v > view.free_mm.rows + reach) return;
+  }
+  const cv::Mat1f& limit_m = limits.at(static_cast<float>(std::max(centre.z() - radius_m, 0.1)));
+  const Eigen::Matrix3f step = (T_camera_world.linear() * voxel_m).cast<float>();
+  const Eigen::Vector3f first_voxel =
+      (T_camera_world * (((block_index * kBlockSide).cast<double>().array() + 0.5) * voxel_m).matrix()).cast<float>();
+  const auto fx = static_cast<float>(view.fx_cells), fy = static_cast<float>(view.fy_cells);
+  const auto cx = static_cast<float>(view.cx_cells) + 0.5F, cy = static_cast<float>(view.cy_cells) + 0.5F;
+  const float cols = static_cast<float>(limit_m.cols), rows = static_cast<float>(limit_m.rows);
+  const VoxelKey key = voxelKey(block_index * kBlockSide) >> (3 * kBlockBits);
+  const auto found = blocks.find(key);
+  Block* block = found == blocks.end() ? nullptr : &found->second;
+  for (int local = 0; local < kBlockVoxels; ++local) {
+    const auto i = static_cast<float>(local >> 6), j = static_cast<float>((local >> 3) & 7),
+               k = static_cast<float>(local & 7);
+    const Eigen::Vector3f p = first_voxel + step.col(0) * i + step.col(1) * j + step.col(2) * k;
+    if (p.z() <= 0.0F) continue;
+    const float u = fx * p.x() / p.z() + cx, v = fy * p.y() / p.z() + cy;
+    if (!(u >= 0.0F && v >= 0.0F && u < cols && v < rows)) continue;
+    if (p.z() >= limit_m(static_cast<int>(v), static_cast<int>(u))) continue;
+    if (block == nullptr) block = &blocks[key];
+    Surface* surface = block->surface(local);
+    if (surface != nullptr) {
+      if (surface->last_hit == keyframes) continue;
+      countUp(surface->misses);
+    }
+    change(block->log_odds[local], miss);
+  }
+}
+
+Occupancy VoxelMap::Impl::state(LogOdds value, const Surface* surface) const {
+  if (value == kUnknown) return Occupancy::kUnknown;
+  if (value <= 0) return Occupancy::kFree;
+  const bool confirmed = surface->misses == 0 || surface->hits >= config.confirming_keyframes;
+  return confirmed ? Occupancy::kOccupied : Occupancy::kUnknown;
+}
+
+Voxel VoxelMap::Impl::describe(const Eigen::Vector3i& index, LogOdds value, const Surface* surface) const {
+  Voxel voxel;
+  voxel.index = index;
+  voxel.state = state(value, surface);
+  if (value != kUnknown) voxel.log_odds = value * kLogOddsUnit;
+  if (surface == nullptr) return voxel;
+  for (int channel = 0; channel < 3; ++channel) {
+    voxel.bgr[channel] = cv::saturate_cast<std::uint8_t>(surface->bgr_256ths[channel] / 256.0);
+  }
+  voxel.label = surface->votes.winner();
+  voxel.hits = surface->hits;
+  voxel.misses = surface->misses;
+  return voxel;
+}
+
+VoxelMap::VoxelMap(const VoxelMapConfig& config) {
+  validateConfig(config);
+  impl_ = std::make_unique<Impl>(config);
+}
+VoxelMap::~VoxelMap() = default;
+VoxelMap::VoxelMap(VoxelMap&&) noexcept = default;
+VoxelMap& VoxelMap::operator=(VoxelMap&&) noexcept = default;
+
+void VoxelMap::integrate(const std::vector<LabelledPoint>& points, const FreeSpaceView& view,
+                         const SE3& T_world_camera) {
+  ++impl_->keyframes;
+  impl_->insertPoints(points, T_world_camera);
+  impl_->carve(view, T_world_camera);
+}
+
+Voxel VoxelMap::voxel(const Eigen::Vector3i& index) const {
+  if (!inVoxelRange(index)) return impl_->describe(index, kUnknown, nullptr);
+  const VoxelKey key = voxelKey(index);
+  const auto found = impl_->blocks.find(key >> (3 * kBlockBits));
+  if (found == impl_->blocks.end()) return impl_->describe(index, kUnknown, nullptr);
+  const int local = static_cast<int>(key & (kBlockVoxels - 1));
+  return impl_->describe(index, found->second.log_odds[local], found->second.surface(local));
+}
+
+Voxel VoxelMap::voxelAt(const Eigen::Vector3d& point_world) const {
+  return voxel(voxelIndexAt(point_world, impl_->config.resolution_m));
+}
+
+Occupancy VoxelMap::stateAt(const Eigen::Vector3d& point_world) const { return voxelAt(point_world).state; }
+
+void VoxelMap::forEachKnown(const std::function<void(const Voxel&)>& visit) const {
+  std::vector<VoxelKey> keys;
+  keys.reserve(impl_->blocks.size());
+  for (const auto& [key, block] : impl_->blocks) keys.push_back(key);
+  std::sort(keys.begin(), keys.end());
+  for (const VoxelKey key : keys) {
+    const Block& block = impl_->blocks.at(key);
+    for (int local = 0; local < kBlockVoxels; ++local) {
+      if (block.log_odds[local] == kUnknown) continue;
+      const Eigen::Vector3i index = voxelIndex((key << (3 * kBlockBits)) | static_cast<VoxelKey>(local));
+      const Voxel voxel = impl_->describe(index, block.log_odds[local], block.surface(local));
+      if (voxel.state != Occupancy::kUnknown) visit(voxel);
+    }
+  }
+}
+
+double VoxelMap::resolution() const { return impl_->config.resolution_m; }
+
+Eigen::Vector3d VoxelMap::centre(const Eigen::Vector3i& index) const {
+  return (index.cast<double>().array() + 0.5) * impl_->config.resolution_m;
+}
+
+std::size_t VoxelMap::size() const { return impl_->known; }
+
+std::size_t VoxelMap::memoryBytes() const {
+  std::size_t bytes = 0;
+  for (const auto& [key, block] : impl_->blocks) {
+    bytes += sizeof(block) + block.slot.capacity() * sizeof(std::uint16_t) +
+             block.surfaces.capacity() * sizeof(Surface) + 4 * sizeof(void*);
+  }
+  return bytes;
+}
+
+}  // namespace semantic_vslam

@@ -1,0 +1,246 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/dense/dense_mapper.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+
+#include "dense_scene.h"
+#include "semantic_vslam/core/common/error.h"
+
+namespace semantic_vslam {
+namespace {
+
+DenseConfig smallConfig() {
+  DenseConfig config;
+  config.keyframe.stride_px = 1;
+  config.keyframe.dynamic_margin_px = 0;
+  config.voxels.resolution_m = 0.05;
+  config.rebuild_keyframes_per_call = 1;
+  return config;
+}
+
+SE3 translated(double x, double y, double z) {
+  SE3 T = SE3::Identity();
+  T.translation() = Eigen::Vector3d(x, y, z);
+  return T;
+}
+
+bool addWall(DenseMapper& mapper, std::uint64_t id, const SE3& T_world_camera) {
+  return mapper.add(KeyframeId(id), wallFrame(2.02F), cv::Mat1b(), cv::Mat1b(), T_world_camera);
+}
+
+cv::Vec3d mean(const std::vector<LabelledPoint>& cloud) {
+  cv::Vec3d sum;
+  for (const auto& point : cloud) sum += cv::Vec3d(point.xyz_m);
+  return sum / static_cast<double>(cloud.size());
+}
+
+TEST(DenseMapper, CloudIsTheSurfaceInTheWorld) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  EXPECT_TRUE(mapper.cloud().empty());
+  ASSERT_TRUE(addWall(mapper, 0, translated(1.0, 2.0, 3.0)));
+  const auto cloud = mapper.cloud();
+  ASSERT_GT(cloud.size(), 2900U);
+  for (const auto& point : cloud) EXPECT_NEAR(point.xyz_m[2], 5.02, 1e-5);
+  // Columns 0..63 around 32 and rows 0..47 around 24: the mean ray is (-0.5, -0.5) px from the axis.
+  EXPECT_NEAR(mean(cloud)[0], 1.0 - 0.5 / 50 * 2.02, 2e-3);
+  EXPECT_NEAR(mean(cloud)[1], 2.0 - 0.5 / 50 * 2.02, 2e-3);
+}
+
+TEST(DenseMapper, RefusesAFrameThatDoesNotFitAndAKnownId) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  const cv::Mat1b wrong_size(10, 10, std::uint8_t{0});
+  EXPECT_FALSE(mapper.add(KeyframeId(0), wallFrame(2.0F), wrong_size, cv::Mat1b(), SE3::Identity()));
+  EXPECT_FALSE(mapper.add(KeyframeId(0), wallFrame(2.0F), cv::Mat1b(), wrong_size, SE3::Identity()));
+  EXPECT_FALSE(addWall(mapper, 0, translated(std::nan(""), 0, 0)));
+  EXPECT_EQ(mapper.keyframes(), 0U);
+  EXPECT_TRUE(addWall(mapper, 0, SE3::Identity()));
+  EXPECT_FALSE(addWall(mapper, 0, SE3::Identity()));
+}
+
+TEST(DenseMapper, APersonNeverEntersAndAMovedChairLeaves) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  const cv::Size size(64, 48);
+  mapper.add(KeyframeId(0), wallFrame(2.02F), cv::Mat1b(size, std::uint8_t{1}), cv::Mat1b(), SE3::Identity());
+  EXPECT_TRUE(mapper.cloud().empty());
+  mapper.add(KeyframeId(1), wallFrame(1.02F), cv::Mat1b(size, std::uint8_t{2}), cv::Mat1b(), SE3::Identity());
+  ASSERT_FALSE(mapper.cloud().empty());
+  EXPECT_EQ(mapper.cloud().front().label, 2);
+  for (std::uint64_t id = 2; id < 5; ++id) addWall(mapper, id, SE3::Identity());
+  // Only the rim of the image, where a voxel reaches out of view, can still hold the chair.
+  for (const auto& point : mapper.cloud()) {
+    const bool rim = std::abs(point.xyz_m[0]) > 0.5 || std::abs(point.xyz_m[1]) > 0.35;
+    EXPECT_TRUE(point.xyz_m[2] > 2.0F || rim) << point.xyz_m;
+  }
+}
+
+TEST(DenseMapper, ASmallChangeOfPoseIsIgnored) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  addWall(mapper, 0, SE3::Identity());
+  mapper.updatePoses({{KeyframeId(0), Stamp{}, translated(0.009, 0, 0)}});
+  EXPECT_FALSE(mapper.busy());
+  EXPECT_EQ(mapper.rebuilds(), 0U);
+}
+
+TEST(DenseMapper, MovesTheMapExactlyAsThePosesMoved) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  addWall(mapper, 0, SE3::Identity());
+  addWall(mapper, 1, translated(0.1, 0, 0));
+  const cv::Vec3d before = mean(mapper.cloud());
+  const SE3 T_new_old = translated(0.5, -0.25, 1.0);
+  mapper.updatePoses(
+      {{KeyframeId(0), Stamp{}, T_new_old}, {KeyframeId(1), Stamp{}, T_new_old * translated(0.1, 0, 0)}});
+  // One keyframe a call: the old map is served until the new one is whole.
+  EXPECT_TRUE(mapper.busy());
+  EXPECT_LT(cv::norm(mean(mapper.cloud()) - before), 1e-9);
+  mapper.finish();
+  EXPECT_FALSE(mapper.busy());
+  EXPECT_EQ(mapper.rebuilds(), 1U);
+  EXPECT_LT(cv::norm(mean(mapper.cloud()) - before - cv::Vec3d(0.5, -0.25, 1.0)), 1e-5);
+  EXPECT_EQ(mapper.voxelMap().stateAt({0.5, -0.25, 3.02}), Occupancy::kOccupied);
+  EXPECT_EQ(mapper.voxelMap().stateAt({0.5, -0.25, 2.02}), Occupancy::kFree);
+}
+
+TEST(DenseMapper, ARotatedPoseTurnsThePoints) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  addWall(mapper, 0, SE3::Identity());
+  SE3 quarter = SE3::Identity();
+  quarter.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  mapper.updatePoses({{KeyframeId(0), Stamp{}, quarter}});
+  mapper.finish();
+  for (const auto& point : mapper.cloud()) EXPECT_NEAR(point.xyz_m[0], 2.02, 1e-5);  // z became x
+}
+
+TEST(DenseMapper, KeyframesAddedDuringARebuildComeWithTheNewMap) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  for (std::uint64_t id = 0; id < 3; ++id) addWall(mapper, id, translated(0.1 * id, 0, 0));
+  std::vector<KeyframePose> poses;
+  for (std::uint64_t id = 0; id < 3; ++id) poses.push_back({KeyframeId(id), Stamp{}, translated(0.1 * id, 0, 1)});
+  mapper.updatePoses(poses);  // adds one of three
+  ASSERT_TRUE(mapper.busy());
+  addWall(mapper, 3, translated(0.0, 0.0, 2.0));
+  EXPECT_EQ(mapper.voxelMap().stateAt({0, 0, 4.02}), Occupancy::kUnknown);
+  mapper.finish();
+  EXPECT_EQ(mapper.voxelMap().stateAt({0, 0, 4.02}), Occupancy::kOccupied);
+  EXPECT_EQ(mapper.keyframes(), 4U);
+}
+
+TEST(DenseMapper, PosesThatMoveDuringARebuildAreTakenUpAfterIt) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  addWall(mapper, 0, SE3::Identity());
+  addWall(mapper, 1, translated(0.1, 0, 0));
+  const auto poses = [](double z) {
+    return std::vector<KeyframePose>{{KeyframeId(0), Stamp{}, translated(0, 0, z)},
+                                     {KeyframeId(1), Stamp{}, translated(0.1, 0, z)}};
+  };
+  mapper.updatePoses(poses(1.0));
+  mapper.updatePoses(poses(2.0));
+  mapper.finish();
+  for (const auto& point : mapper.cloud()) EXPECT_NEAR(point.xyz_m[2], 4.02, 1e-5);
+}
+
+TEST(DenseMapper, ACulledKeyframeMovesWithItsNearestNeighbour) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  addWall(mapper, 0, SE3::Identity());
+  addWall(mapper, 1, translated(5.0, 0, 0));
+  addWall(mapper, 2, translated(5.5, 0, 0));  // will be culled; nearest to 1
+  mapper.updatePoses({{KeyframeId(0), Stamp{}, SE3::Identity()}, {KeyframeId(1), Stamp{}, translated(5.0, 1.0, 0)}});
+  mapper.finish();
+  EXPECT_EQ(mapper.keyframes(), 3U);
+  float farthest_x = 0, farthest_y = 0;
+  for (const auto& point : mapper.cloud()) {
+    if (point.xyz_m[0] > farthest_x) farthest_x = point.xyz_m[0];
+    if (point.xyz_m[0] > 5.0F) farthest_y = std::max(farthest_y, point.xyz_m[1]);
+  }
+  EXPECT_NEAR(farthest_x, 5.5 + 31 / 50.0 * 2.02, 0.01);
+  EXPECT_NEAR(farthest_y, 1.0 + 23 / 50.0 * 2.02, 0.01);
+}
+
+TEST(DenseMapper, ThinsOldCloudsToItsMemory) {
+  DenseConfig config = smallConfig();
+  config.memory_mb = 8;  // 3072 points of 16 bytes and a 16x12 view: 49.5 kB a keyframe, so 169 fit
+  DenseMapper mapper(config, threeLabels());
+  for (std::uint64_t id = 0; id < 200; ++id) addWall(mapper, id, SE3::Identity());
+  EXPECT_EQ(mapper.keyframes(), 200U);
+  EXPECT_LE(mapper.memoryBytes() - mapper.voxelMap().memoryBytes(), 8U << 20);
+  EXPECT_EQ(mapper.voxelMap().stateAt({0, 0, 2.02}), Occupancy::kOccupied);
+}
+
+TEST(DenseMapper, ClearForgetsEverything) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  addWall(mapper, 0, SE3::Identity());
+  mapper.clear();
+  EXPECT_TRUE(mapper.cloud().empty());
+  EXPECT_EQ(mapper.voxels(), 0U);
+  EXPECT_EQ(mapper.keyframes(), 0U);
+  EXPECT_TRUE(addWall(mapper, 0, SE3::Identity()));
+}
+
+TEST(DenseMapper, SavingToAPathThatCannotBeWrittenNamesItAndKeepsTheMap) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  addWall(mapper, 0, SE3::Identity());
+  const std::string nowhere = "/nonexistent_folder/cloud.pcd";
+  try {
+    mapper.saveCloud(nowhere);
+    FAIL() << "no error";
+  } catch (const FileError& error) {
+    EXPECT_NE(std::string(error.what()).find(nowhere), std::string::npos) << error.what();
+  }
+  EXPECT_THROW(mapper.saveOctomap("/nonexistent_folder/map.ot"), FileError);
+  EXPECT_FALSE(mapper.cloud().empty());
+}
+
+/// Lets this process write files of so many bytes only, as on a disk that is nearly full, until it goes out of scope.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : old_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &old_);
+    const rlimit limit{bytes, old_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &old_);
+    std::signal(SIGXFSZ, old_handler_);
+  }
+
+ private:
+  void (*old_handler_)(int);
+  rlimit old_{};
+};
+
+TEST(DenseMapper, ADiskThatFillsUpWhileSavingLeavesTheOldFile) {
+  const std::string path = testing::TempDir() + "dense_mapper_test.pcd";
+  DenseMapper mapper(smallConfig(), threeLabels());
+  mapper.saveCloud(path);  // a header and no point
+  addWall(mapper, 0, SE3::Identity());
+  {
+    const FileSizeLimit limit(10000);
+    EXPECT_THROW(mapper.saveCloud(path), FileError);
+  }
+  std::ifstream file(path);
+  const std::string content{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  EXPECT_NE(content.find("POINTS 0\n"), std::string::npos);
+  EXPECT_FALSE(mapper.cloud().empty());
+  std::remove(path.c_str());
+}
+
+TEST(DenseMapper, RefusesABadConfigurationByName) {
+  DenseConfig config;
+  config.voxels.hit_probability = 0.3;
+  try {
+    DenseMapper mapper(config, threeLabels());
+    FAIL() << "no error";
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("voxels.hit_probability"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace semantic_vslam

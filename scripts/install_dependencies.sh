@@ -1,0 +1,46 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+# Installs the packages of packages.txt that are missing. usage: install_dependencies.sh build|demo
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+. "$root/scripts/common.sh"
+purpose=${1:?usage: install_dependencies.sh build|demo}
+
+case $(system_name) in
+  debian12) column=2 ;;
+  noetic) column=3 ;;
+  *)
+    say "this system is neither Debian 12 nor Ubuntu 20.04: going on with what is installed (list: scripts/packages.txt)"
+    exit 0
+    ;;
+esac
+
+wanted=$(awk -v column=$column -v purpose="$purpose" \
+  '!/^#/ && NF && ($1 == "build" || $1 == purpose) && $column != "-" { print $column }' "$root/scripts/packages.txt" | sort -u)
+installed() { dpkg-query -W -f '${db:Status-Status} ${Package}\n' | sed -n 's/^installed //p' | sort -u; }
+missing() { comm -23 <(echo "$wanted") <(installed); }
+
+[ -n "$(missing)" ] || exit 0
+
+as_root=()
+if [ "$(id -u)" != 0 ]; then
+  command -v sudo >/dev/null || die "packages are missing and there is no sudo; as root run: apt-get install -y $(missing | tr '\n' ' ')"
+  as_root=(sudo)
+  say "$(missing | wc -l) packages are missing; they are installed with sudo apt-get, which may ask for your password"
+fi
+
+# One apt at a time: ours wait here for each other, and DPkg::Lock::Timeout waits for anyone else's.
+exec 9>"$(cache_dir)/apt.lock"
+flock 9
+mapfile -t packages < <(missing)
+[ ${#packages[@]} -gt 0 ] || exit 0
+apt_get=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=600 -o Dpkg::Use-Pty=0)
+say "installing ${#packages[@]} packages and what they depend on (a few minutes)"
+"${apt_get[@]}" update 9>&- || say "apt-get update had errors; trying with the package lists there are"
+for package in "${packages[@]}"; do
+  apt-cache show "$package" >/dev/null 2>&1 ||
+    die "package $package is in none of the configured sources; $([ $column = 3 ] && echo "add the ROS Noetic" || echo "enable Debian's main") package source and run again"
+done
+"${apt_get[@]}" install -y --no-install-recommends "${packages[@]}" 9>&- ||
+  die "apt-get install (messages above); mend it, for instance with: apt-get -f install, then run again"

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <deque>
+#include <opencv2/core.hpp>
+
+#include "semantic_vslam/core/geometry/se3.h"
+#include "semantic_vslam/core/motion/motion_config.h"
+#include "semantic_vslam/core/motion/work_grid.h"
+
+namespace semantic_vslam {
+
+/// Depth as an earlier frame saw it.
+struct DepthReference {
+  Stamp stamp;
+  cv::Mat1f depth_m;              ///< grid size; 0 = none
+  cv::Mat1f depth_low_m;          ///< nearest of the 3x3 neighbourhood
+  cv::Mat1f dynamic_probability;  ///< 0 .. 1, of that frame
+  SE3 T_reference_current = SE3::Identity();
+};
+
+/// What earlier depth images say of the present one: each cell's surface is moved into the earlier camera.
+/// Nearer than everything seen there: something came into space that was seen to be free (someone walks, also along the
+/// optical axis). At the depth seen there: it stood still since. Behind it: it was hidden, no vote.
+struct DepthVote {
+  cv::Mat1f entered;  ///< 0 .. 1: how clearly the surface lies in space seen free, the strongest of the references
+  cv::Mat1f stayed;   ///< 0 .. 1: how clearly it was there, and static, in the oldest reference that tells
+};
+
+DepthVote voteByDepth(const GridFrame& current, const std::deque<DepthReference>& references, const WorkGrid& grid,
+                      const RigidFlowConfig& config);
+
+}  // namespace semantic_vslam

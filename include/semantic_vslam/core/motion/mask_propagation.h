@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <deque>
+#include <opencv2/core.hpp>
+
+#include "semantic_vslam/core/motion/motion_config.h"
+#include "semantic_vslam/core/motion/work_grid.h"
+#include "semantic_vslam/core/segmentation/label_set.h"
+
+namespace semantic_vslam {
+
+/// Carries semantic masks, which come late, from their own image to the present one along the flows in between.
+///
+/// Not the mask is moved but, for each present cell, the position it came from: the mask is read once, at the end, and
+/// does not blur however often it moved. A chain of positions breaks where background is uncovered (the surface lies
+/// behind the one it would come from) and where the flow leaves the image.
+class MaskPropagation {
+ public:
+  explicit MaskPropagation(const MaskPropagationConfig& config);
+
+  void reset();
+  /// Advances to a new frame.
+  /// @param flow_cells  from the frame before to this one, grid size; empty for the first frame
+  void addFrame(const GridFrame& frame, const cv::Mat2f& flow_cells);
+  /// @param moving  what flow and depth showed of the newest frame, grid size, not 0 = moving: Fi of eq. (5)
+  void setMoving(const cv::Mat1b& moving);
+  /// Takes the labels of an earlier frame. People are dynamic; movable things are where enough of them moved, eq. (5).
+  /// @return false if the frame is not kept any more (too late) or never was: the labels are ignored
+  bool addLabels(Stamp stamp, const cv::Mat1b& labels, const LabelSet& label_set);
+
+  bool hasMask() const { return !mask_.empty(); }
+  /// @return probability 0 .. 1 that a cell of the newest frame is dynamic by the carried mask, faded with its age; NaN
+  ///         where the mask says nothing. Empty if there is none.
+  cv::Mat1f dynamicNow() const;
+
+ private:
+  struct Entry {
+    Stamp stamp;
+    cv::Mat2f flow_cells;  // empty for the first
+    cv::Mat1f depth_m;
+    cv::Mat1b moving;
+  };
+
+  cv::Mat1f dynamicOf(const Entry& entry, const cv::Mat1b& labels, const LabelSet& label_set) const;
+
+  MaskPropagationConfig config_;
+  std::deque<Entry> entries_;
+  cv::Mat1f mask_;    // of the labels' own frame, 0 .. 1
+  cv::Mat2f origin_;  // position in that frame of each present cell; NaN = lost
+  Stamp mask_stamp_;
+};
+
+}  // namespace semantic_vslam

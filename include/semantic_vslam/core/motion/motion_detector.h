@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <opencv2/core.hpp>
+
+#include "semantic_vslam/core/camera/rgbd_frame.h"
+#include "semantic_vslam/core/motion/camera_motion.h"
+#include "semantic_vslam/core/motion/dense_flow.h"
+#include "semantic_vslam/core/motion/depth_vote.h"
+#include "semantic_vslam/core/motion/mask_propagation.h"
+#include "semantic_vslam/core/motion/motion_config.h"
+#include "semantic_vslam/core/motion/motion_memory.h"
+#include "semantic_vslam/core/motion/motion_result.h"
+#include "semantic_vslam/core/segmentation/label_set.h"
+
+namespace semantic_vslam {
+
+/// Finds what moves by itself in a stream of RGB-D frames. Stands alone: the camera's own motion between two frames
+/// comes from points that were static in the first of them. Not thread-safe.
+class MotionDetector {
+ public:
+  /// @throws ConfigError if a value is out of range.
+  explicit MotionDetector(const MotionConfig& config);
+
+  /// The first frame, and one whose stamp does not follow the last or whose camera differs, starts anew: all static.
+  MotionResult detect(const RgbdFrame& frame);
+  /// Labels of an earlier frame; they count from the next frame on. Those of a frame that is unknown or too old are
+  /// ignored.
+  /// @param labels  height x width, indices into label_set
+  /// @return true if they were taken
+  bool addLabels(Stamp stamp, const cv::Mat1b& labels, const LabelSet& label_set);
+  void reset();
+
+ private:
+  /// What one frame's flow and depth show, on the grid.
+  struct Estimate {
+    MotionModel model = MotionModel::kNone;
+    cv::Mat1b moving;    // 255 = moving
+    cv::Mat1f log_odds;  // above 0 = moving
+    cv::Mat1f residual_px;
+    CameraMotion camera;
+    int inliers = 0;
+  };
+
+  void start(const RgbdFrame& frame);
+  /// Probability that a cell stood still in the previous frame, carried to the present one.
+  cv::Mat1f staticWeight(const GridFrame& current, const cv::Mat2f& flow_cells) const;
+  Estimate explainByHomography(const GridFrame& current, const cv::Mat2f& flow_cells, const cv::Mat1f& static_weight);
+  Estimate explainByRigidFlow(const GridFrame& current, const cv::Mat2f& flow_cells, const cv::Mat1f& static_weight);
+  void advanceReferences(const CameraMotion& camera);
+  void keepReference(const GridFrame& current);
+  MotionResult compose(const Estimate& estimate, const cv::Mat2f& flow_cells, cv::Size full_size);
+
+  MotionConfig config_;
+  DenseFlow dense_flow_;
+  MotionMemory memory_;
+  MaskPropagation propagation_;
+  std::unique_ptr<WorkGrid> grid_;
+  std::shared_ptr<const CameraModel> camera_;
+  GridFrame previous_;
+  cv::Mat1f dynamic_probability_;   // of the previous frame, grid size
+  SE3 velocity_ = SE3::Identity();  // T_previous_current of the last frame
+  double velocity_dt_s_ = 0.0;
+  std::deque<DepthReference> references_;  // oldest first
+};
+
+}  // namespace semantic_vslam

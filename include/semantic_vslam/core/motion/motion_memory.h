@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "semantic_vslam/core/motion/depth_vote.h"
+#include "semantic_vslam/core/motion/motion_config.h"
+#include "semantic_vslam/core/motion/rigid_flow.h"
+#include "semantic_vslam/core/motion/work_grid.h"
+
+namespace semantic_vslam {
+
+/// Log-odds that a cell belongs to something that moves, gathered over frames and carried along with the flow.
+class MotionMemory {
+ public:
+  explicit MotionMemory(const MotionMemoryConfig& config);
+
+  void reset(cv::Size grid_size);
+  /// Moves the evidence from the previous frame to the present one along the flow and lets it fade with time.
+  void carry(const GridFrame& previous, const GridFrame& current, const cv::Mat2f& flow_cells);
+  /// The same where the camera's motion is known: a cell whose brightness the rigid flow explains as well takes the
+  /// evidence from there, so that a walker's flow, smeared over a still wall, does not carry his evidence onto it.
+  void carry(const GridFrame& previous, const GridFrame& current, const cv::Mat2f& flow_cells,
+             const RigidFlowResidual& residual, const cv::Mat1f& brightness_gain);
+  /// Adds what this frame shows.
+  void add(const GridFrame& current, const RigidFlowResidual& residual, const cv::Mat1f& brightness_gain,
+           const DepthVote& vote);
+  /// @return log-odds after sharing evidence along surfaces; above 0 = moving.
+  cv::Mat1f surfaceLogOdds(const GridFrame& current) const;
+  const cv::Mat1f& logOdds() const { return log_odds_; }
+
+ private:
+  void fade(cv::Mat1f carried, double age_s);
+
+  MotionMemoryConfig config_;
+  cv::Mat1f log_odds_;
+};
+
+/// Logistic function of log-odds.
+cv::Mat1f probabilityOf(const cv::Mat1f& log_odds);
+
+}  // namespace semantic_vslam

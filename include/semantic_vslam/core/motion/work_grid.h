@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <opencv2/core.hpp>
+
+#include "semantic_vslam/core/camera/rgbd_frame.h"
+
+namespace semantic_vslam {
+
+/// The camera seen on the motion stage's working grid, whose cells are `cell_px` x `cell_px` pixels of the full image.
+/// Cell (x, y) stands for the full-image position ((x + 0.5) * cell_px - 0.5, (y + 0.5) * cell_px - 0.5).
+class WorkGrid {
+ public:
+  /// @param flow_width_px  width of the image the flow is computed on; the grid is half of that.
+  WorkGrid(std::shared_ptr<const CameraModel> camera, int flow_width_px);
+
+  const CameraModel& camera() const { return *camera_; }
+  cv::Size size() const { return size_; }
+  /// Size of the gray image that the flow is computed on: twice the grid.
+  cv::Size flowSize() const { return {2 * size_.width, 2 * size_.height}; }
+  float cellPx() const { return cell_px_; }
+  /// Focal length in cells (mean of both axes).
+  float focalCells() const { return 0.5F * (fx_ + fy_); }
+
+  /// x/z and y/z of every cell's centre: 2 x float32.
+  const cv::Mat2f& rays() const { return rays_; }
+  /// Ray of a position between cells, bilinear; positions outside are clamped to the image.
+  cv::Vec2f rayAt(float x, float y) const;
+  /// @param point  metres, z > 0  @return position on the grid, in cells (may lie outside).
+  cv::Point2f project(const Eigen::Vector3f& point) const {
+    const float inverse_z = 1.0F / point.z();
+    float a = point.x() * inverse_z, b = point.y() * inverse_z;
+    if (distorted_) distort(a, b);
+    return {fx_ * a + cx_, fy_ * b + cy_};
+  }
+  bool contains(const cv::Point2f& cell) const {
+    return cell.x >= 0.0F && cell.y >= 0.0F && cell.x <= static_cast<float>(size_.width - 1) &&
+           cell.y <= static_cast<float>(size_.height - 1);
+  }
+
+ private:
+  void distort(float& a, float& b) const {
+    const float r2 = a * a + b * b;
+    const float radial = 1.0F + r2 * (k_[0] + r2 * (k_[1] + r2 * k_[4]));
+    const float x = a * radial + 2.0F * k_[2] * a * b + k_[3] * (r2 + 2.0F * a * a);
+    b = b * radial + k_[2] * (r2 + 2.0F * b * b) + 2.0F * k_[3] * a * b;
+    a = x;
+  }
+
+  std::shared_ptr<const CameraModel> camera_;
+  cv::Size size_;
+  float cell_px_ = 1.0F;
+  float fx_ = 0, fy_ = 0, cx_ = 0, cy_ = 0;  // in cells
+  bool distorted_ = false;
+  std::array<float, 5> k_{};
+  cv::Mat2f rays_;
+};
+
+/// What the motion stage keeps of a frame. All but `gray` have the grid's size.
+struct GridFrame {
+  Stamp stamp;
+  cv::Mat1b gray;          ///< flow size, 8-bit
+  cv::Mat1f depth_m;       ///< 0 = none
+  cv::Mat1f depth_low_m;   ///< nearest depth of the 3x3 neighbourhood; 0 where all of it is without depth
+  cv::Mat1f depth_high_m;  ///< farthest depth of the 3x3 neighbourhood; 0 where all of it is without depth
+  cv::Mat1f texture;       ///< brightness gradient, gray levels per cell
+};
+
+GridFrame makeGridFrame(const RgbdFrame& frame, const WorkGrid& grid);
+
+/// Samples a grid image at a position between cells, bilinear; the caller ensures that it lies inside.
+inline float sampleBilinear(const cv::Mat1f& image, float x, float y) {
+  const int x0 = std::min(static_cast<int>(x), image.cols - 2), y0 = std::min(static_cast<int>(y), image.rows - 2);
+  const float dx = x - static_cast<float>(x0), dy = y - static_cast<float>(y0);
+  const float* top = image[y0] + x0;
+  const float* bottom = image[y0 + 1] + x0;
+  return (top[0] * (1 - dx) + top[1] * dx) * (1 - dy) + (bottom[0] * (1 - dx) + bottom[1] * dx) * dy;
+}
+
+}  // namespace semantic_vslam

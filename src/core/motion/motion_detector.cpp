@@ -1,0 +1,198 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/motion/motion_detector.h"
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/motion/flow_carry.h"
+#include "semantic_vslam/core/motion/homography_motion.h"
+#include "semantic_vslam/core/motion/mask_cleanup.h"
+#include "semantic_vslam/core/motion/rigid_flow.h"
+
+namespace semantic_vslam {
+namespace {
+
+// A longer gap than this shares too little of the image for the flow, and is treated as a new start.
+constexpr double kLongestGapS = 0.5;
+// Number of earlier depth images that the present one is compared with, spread over the configured age.
+constexpr int kReferences = 3;
+// Trust left in a cell that surely moves: if everything seems to move, the least moving still counts.
+constexpr float kLeastTrust = 0.01F;
+
+MotionConfig validated(const MotionConfig& config) {
+  validateConfig(config);
+  return config;
+}
+
+/// Flow of the gray image (two pixels a cell) to flow of the cells.
+cv::Mat2f reduceToCells(const cv::Mat2f& flow, cv::Size size) {
+  cv::Mat2f cells;
+  cv::resize(flow, cells, size, 0, 0, cv::INTER_AREA);
+  cells *= 0.5;
+  return cells;
+}
+
+/// Velocity scaled to another time step.
+SE3 scaleMotion(const SE3& motion, double factor) { return se3Exp(factor * se3Log(motion)); }
+
+}  // namespace
+
+MotionDetector::MotionDetector(const MotionConfig& config)
+    : config_(validated(config)), dense_flow_(config.flow), memory_(config.memory), propagation_(config.semantics) {}
+
+void MotionDetector::reset() {
+  grid_.reset();
+  camera_.reset();
+  previous_ = {};
+  references_.clear();
+  propagation_.reset();
+  velocity_ = SE3::Identity();
+  velocity_dt_s_ = 0.0;
+}
+
+void MotionDetector::start(const RgbdFrame& frame) {
+  reset();
+  camera_ = frame.camera;
+  grid_ = std::make_unique<WorkGrid>(frame.camera, config_.flow.width_px);
+  memory_.reset(grid_->size());
+  dynamic_probability_ = cv::Mat1f(grid_->size(), 0.0F);
+}
+
+bool MotionDetector::addLabels(Stamp stamp, const cv::Mat1b& labels, const LabelSet& label_set) {
+  return propagation_.addLabels(stamp, labels, label_set);
+}
+
+MotionResult MotionDetector::detect(const RgbdFrame& frame) {
+  const cv::Size full_size = frame.gray.size();
+  const double dt_s = grid_ ? secondsBetween(previous_.stamp, frame.stamp) : 0.0;
+  if (!grid_ || frame.camera != camera_ || dt_s <= 0.0 || dt_s > kLongestGapS) {
+    start(frame);
+    previous_ = makeGridFrame(frame, *grid_);
+    propagation_.addFrame(previous_, {});
+    MotionResult first;
+    first.dynamic = first.moving = cv::Mat1b::zeros(full_size);
+    return first;
+  }
+  const GridFrame current = makeGridFrame(frame, *grid_);
+  const cv::Mat2f flow_cells = reduceToCells(dense_flow_.compute(previous_.gray, current.gray), grid_->size());
+  propagation_.addFrame(current, flow_cells);
+  const cv::Mat1f static_weight = staticWeight(current, flow_cells);
+
+  Estimate estimate;
+  if (config_.model == "homography") estimate = explainByHomography(current, flow_cells, static_weight);
+  if (config_.model == "rigid_flow") estimate = explainByRigidFlow(current, flow_cells, static_weight);
+  propagation_.setMoving(estimate.moving);
+
+  const MotionResult result = compose(estimate, flow_cells, full_size);
+  if (config_.model == "rigid_flow") keepReference(current);
+  previous_ = current;
+  return result;
+}
+
+cv::Mat1f MotionDetector::staticWeight(const GridFrame& current, const cv::Mat2f& flow_cells) const {
+  cv::Mat1f weight = carryWithFlow(dynamic_probability_, flow_cells, previous_.depth_m, current.depth_m, 0.3F);
+  const cv::Mat1f semantic = propagation_.dynamicNow();
+  for (int y = 0; y < weight.rows; ++y) {
+    for (int x = 0; x < weight.cols; ++x) {
+      float dynamic = weight(y, x);
+      if (!semantic.empty() && semantic(y, x) > dynamic) dynamic = semantic(y, x);
+      weight(y, x) = std::max(kLeastTrust, (1.0F - dynamic) * (1.0F - dynamic));
+    }
+  }
+  return weight;
+}
+
+MotionDetector::Estimate MotionDetector::explainByHomography(const GridFrame& current, const cv::Mat2f& flow_cells,
+                                                             const cv::Mat1f& static_weight) {
+  Estimate estimate;
+  const HomographyMotion motion = estimateHomography(current, flow_cells, static_weight, *grid_, config_.homography);
+  if (!motion.valid) return estimate;
+  const cv::Mat1b warped = warpPrevious(previous_, current, motion);
+  const cv::Mat2f residual = reduceToCells(dense_flow_.compute(warped, current.gray), grid_->size());
+  estimate.model = MotionModel::kHomography;
+  estimate.inliers = motion.inliers;
+  estimate.residual_px = flowAmplitude(residual) * grid_->cellPx();  // eq. (1)
+  estimate.moving = cleanMask(estimate.residual_px > config_.homography.theta_px, grid_->cellPx(), config_.cleanup);
+  return estimate;
+}
+
+MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& current, const cv::Mat2f& flow_cells,
+                                                            const cv::Mat1f& static_weight) {
+  const double dt_s = secondsBetween(previous_.stamp, current.stamp);
+  const SE3 predicted = velocity_dt_s_ > 0.0 ? scaleMotion(velocity_, dt_s / velocity_dt_s_) : SE3::Identity();
+  const auto points = selectFlowPoints(previous_, current, flow_cells, static_weight, *grid_);
+  const CameraMotion camera = estimateCameraMotion(points, *grid_, predicted, config_.rigid);
+  if (!camera.valid) {
+    // Too little depth, or nothing that stands still: a homography is the better guess, and the past is of no use.
+    references_.clear();
+    velocity_dt_s_ = 0.0;
+    memory_.carry(previous_, current, flow_cells);
+    return explainByHomography(current, flow_cells, static_weight);
+  }
+  velocity_ = camera.T_previous_current;
+  velocity_dt_s_ = dt_s;
+  advanceReferences(camera);
+
+  Estimate estimate;
+  const RigidFlowResidual residual = computeRigidFlowResidual(current, flow_cells, camera, *grid_, config_.rigid);
+  const cv::Mat1f gain = compareBrightness(previous_, current, flow_cells, residual);
+  memory_.carry(previous_, current, flow_cells, residual, gain);
+  const DepthVote vote = voteByDepth(current, references_, *grid_, config_.rigid);
+  memory_.add(current, residual, gain, vote);
+  estimate.model = MotionModel::kRigidFlow;
+  estimate.camera = camera;
+  estimate.inliers = camera.inliers;
+  estimate.residual_px = residual.amplitude_px;
+  estimate.log_odds = memory_.surfaceLogOdds(current);
+  estimate.moving = cleanMask(estimate.log_odds > 0.0F, grid_->cellPx(), config_.cleanup);
+  return estimate;
+}
+
+void MotionDetector::advanceReferences(const CameraMotion& camera) {
+  for (DepthReference& reference : references_) {
+    reference.T_reference_current = reference.T_reference_current * camera.T_previous_current;
+  }
+}
+
+void MotionDetector::keepReference(const GridFrame& current) {
+  const double spacing_s = config_.memory.reference_age_s / kReferences;
+  if (!references_.empty() && secondsBetween(references_.back().stamp, current.stamp) < spacing_s) return;
+  references_.push_back(
+      {current.stamp, current.depth_m, current.depth_low_m, dynamic_probability_.clone(), SE3::Identity()});
+  if (references_.size() > kReferences) references_.pop_front();
+}
+
+MotionResult MotionDetector::compose(const Estimate& estimate, const cv::Mat2f& flow_cells, cv::Size full_size) {
+  const cv::Size size = grid_->size();
+  const cv::Mat1b moving = estimate.moving.empty() ? cv::Mat1b(cv::Mat1b::zeros(size)) : estimate.moving;
+  const cv::Mat1f semantic = propagation_.dynamicNow();
+  cv::Mat1b dynamic(size), moving_probability(size);
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const bool moves = moving(y, x) != 0;
+      float probability = moves ? 0.9F : 0.1F;
+      if (!estimate.log_odds.empty()) probability = 1.0F / (1.0F + std::exp(-estimate.log_odds(y, x)));
+      // The cleaned mask decides; the evidence says how surely.
+      probability = moves ? std::max(probability, 0.55F) : std::min(probability, 0.45F);
+      if (estimate.model == MotionModel::kNone) probability = 0.0F;
+      moving_probability(y, x) = cv::saturate_cast<uchar>(255.0F * probability);
+      if (!semantic.empty() && semantic(y, x) > probability) probability = semantic(y, x);
+      dynamic_probability_(y, x) = probability;
+      dynamic(y, x) = cv::saturate_cast<uchar>(255.0F * probability);
+    }
+  }
+  MotionResult result;
+  cv::resize(dynamic, result.dynamic, full_size, 0, 0, cv::INTER_LINEAR);
+  cv::resize(moving_probability, result.moving, full_size, 0, 0, cv::INTER_LINEAR);
+  result.flow_px = flow_cells * grid_->cellPx();
+  result.residual_px = estimate.residual_px;
+  result.model = estimate.model;
+  result.T_current_previous = estimate.camera.T_previous_current.inverse();
+  result.inliers = estimate.inliers;
+  result.dynamic_share = static_cast<double>(cv::countNonZero(result.dynamic >= 128)) / result.dynamic.total();
+  return result;
+}
+
+}  // namespace semantic_vslam

@@ -1,0 +1,238 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Runs the motion stage alone over a TUM folder and measures it against the sequence's masks and ground truth.
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <deque>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/eval/stage_timing.h"
+#include "semantic_vslam/core/io/tum_sequence.h"
+#include "semantic_vslam/core/motion/flow_colour.h"
+#include "semantic_vslam/core/motion/motion_detector.h"
+
+namespace semantic_vslam {
+namespace {
+
+constexpr char kUsage[] =
+    "usage: measure_motion SEQUENCE_DIR --camera FILE [--set key=value ...] [--pictures DIR] [--every N]\n"
+    "                      [--truth-masks SECONDS] [--mask-period N] [--frames N]\n"
+    "  --set KEY=VALUE        a key of the motion stage, e.g. model=homography\n"
+    "  --pictures DIR         write mask overlay, residual and flow of every N-th frame (--every, default 10)\n"
+    "  --truth-masks SECONDS  feed the sequence's masks as person labels, this late, of every N-th frame\n"
+    "                         (--mask-period, default 5)\n"
+    "  --frames N             stop after N frames";
+
+struct Options {
+  std::string sequence, camera, pictures;
+  MotionConfig config;
+  std::size_t every = 10, frames = 0, mask_period = 5;
+  double mask_delay_s = -1.0;
+};
+
+Options parseOptions(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const auto value = [&]() -> std::string {
+      if (i + 1 >= argc) throw Error("option " + word + " needs a value");
+      return argv[++i];
+    };
+    if (word == "--camera") {
+      options.camera = value();
+    } else if (word == "--set") {
+      const std::string pair = value();
+      const std::size_t equals = pair.find('=');
+      if (equals == std::string::npos) throw Error("--set needs key=value, got '" + pair + "'");
+      setConfig(options.config, pair.substr(0, equals), pair.substr(equals + 1));
+    } else if (word == "--pictures") {
+      options.pictures = value();
+    } else if (word == "--every") {
+      options.every = std::stoul(value());
+    } else if (word == "--frames") {
+      options.frames = std::stoul(value());
+    } else if (word == "--truth-masks") {
+      options.mask_delay_s = std::stod(value());
+    } else if (word == "--mask-period") {
+      options.mask_period = std::stoul(value());
+    } else if (options.sequence.empty() && word[0] != '-') {
+      options.sequence = word;
+    } else {
+      throw Error("unknown option '" + word + "'\n" + kUsage);
+    }
+  }
+  if (options.sequence.empty() || options.camera.empty()) throw Error(kUsage);
+  return options;
+}
+
+/// Pixel counts over all frames that have a true mask.
+struct MaskCounts {
+  double both = 0, found = 0, real = 0;
+
+  void add(const cv::Mat1b& dynamic, const cv::Mat1b& truth) {
+    const cv::Mat1b found_mask = dynamic >= 128, real_mask = truth >= 128;
+    found += cv::countNonZero(found_mask);
+    real += cv::countNonZero(real_mask);
+    both += cv::countNonZero(found_mask & real_mask);
+  }
+  double recall() const { return both / std::max(real, 1.0); }
+  double precision() const { return both / std::max(found, 1.0); }
+  double iou() const { return both / std::max(found + real - both, 1.0); }
+};
+
+/// Error of the camera's motion between frames against the ground truth.
+class MotionError {
+ public:
+  explicit MotionError(const std::vector<TimedPose>& truth) : truth_(truth) {}
+
+  void add(Stamp previous, Stamp current, const MotionResult& result) {
+    if (truth_.size() < 2 || result.model != MotionModel::kRigidFlow) return;
+    const SE3 T_current_previous = poseAt(current).inverse() * poseAt(previous);
+    const SE3 error = T_current_previous.inverse() * result.T_current_previous;
+    translation_mm_.push_back(1e3 * error.translation().norm());
+    rotation_deg_.push_back(rotationAngle(error) * 180.0 / CV_PI);
+  }
+  void print() const {
+    if (translation_mm_.empty()) return;
+    std::printf("camera motion a frame: translation error median %.2f p95 %.2f mm, rotation %.3f p95 %.3f deg\n",
+                quantile(translation_mm_, 0.5), quantile(translation_mm_, 0.95), quantile(rotation_deg_, 0.5),
+                quantile(rotation_deg_, 0.95));
+  }
+
+ private:
+  SE3 poseAt(Stamp stamp) const {
+    auto after = std::lower_bound(truth_.begin() + 1, truth_.end() - 1, stamp,
+                                  [](const TimedPose& pose, Stamp s) { return pose.stamp < s; });
+    const TimedPose& before = *(after - 1);
+    const double span_s = secondsBetween(before.stamp, after->stamp);
+    return interpolate(before.T_world_camera, after->T_world_camera, secondsBetween(before.stamp, stamp) / span_s);
+  }
+
+  const std::vector<TimedPose>& truth_;
+  std::vector<double> translation_mm_, rotation_deg_;
+};
+
+/// Red: called dynamic. Green outline: true mask.
+cv::Mat3b overlay(const RgbdFrame& frame, const cv::Mat1b& dynamic, const cv::Mat1b& truth) {
+  cv::Mat3b picture = frame.bgr.clone();
+  cv::Mat3b red(picture.size(), cv::Vec3b(0, 0, 255));
+  cv::Mat3b mixed;
+  cv::addWeighted(picture, 0.5, red, 0.5, 0.0, mixed);
+  mixed.copyTo(picture, dynamic >= 128);
+  if (!truth.empty()) {
+    std::vector<std::vector<cv::Point>> contours;
+    cv::findContours(truth.clone(), contours, cv::RETR_LIST, cv::CHAIN_APPROX_SIMPLE);
+    cv::drawContours(picture, contours, -1, cv::Scalar(0, 255, 0), 2);
+  }
+  return picture;
+}
+
+void writePictures(const std::string& folder, const RgbdFrame& frame, const MotionResult& result,
+                   const cv::Mat1b& truth) {
+  cv::Mat residual, panel;
+  cv::Mat left = overlay(frame, result.dynamic, truth), moving = overlay(frame, result.moving, {});
+  if (result.residual_px.empty()) {
+    residual = cv::Mat3b::zeros(frame.bgr.size());
+  } else {
+    cv::Mat1b scaled;
+    result.residual_px.convertTo(scaled, CV_8U, 25.0);  // 10 px = white
+    cv::resize(scaled, scaled, frame.bgr.size(), 0, 0, cv::INTER_NEAREST);
+    cv::cvtColor(scaled, residual, cv::COLOR_GRAY2BGR);
+  }
+  cv::Mat flow = cv::Mat3b::zeros(frame.bgr.size());
+  if (!result.flow_px.empty()) cv::resize(flowPicture(result.flow_px, 20.0), flow, frame.bgr.size());
+  cv::Mat top, bottom;
+  cv::hconcat(left, moving, top);
+  cv::hconcat(residual, flow, bottom);
+  cv::vconcat(top, bottom, panel);
+  cv::resize(panel, panel, {}, 0.5, 0.5, cv::INTER_AREA);
+  char name[32];
+  std::snprintf(name, sizeof(name), "/%06d.png", static_cast<int>(frame.index));
+  cv::imwrite(folder + name, panel);
+}
+
+LabelSet personLabels() {
+  LabelSet labels;
+  labels.classes.push_back({"person", Mobility::kPerson, cv::Vec3b(0, 0, 255)});
+  return labels;
+}
+
+struct LateMask {
+  Stamp stamp;
+  cv::Mat1b labels;
+};
+
+void run(const Options& options) {
+  cv::setNumThreads(1);
+  TumSequence sequence(options.sequence, std::make_shared<CameraModel>(loadCameraFile(options.camera)));
+  MotionDetector detector(options.config);
+  if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);
+  const LabelSet label_set = personLabels();
+  StageTimes times;
+  MaskCounts counts;
+  MotionError motion_error(sequence.groundTruth());
+  std::deque<LateMask> late;
+  std::vector<double> shares;
+  std::size_t by_model[3] = {0, 0, 0};
+  Stamp previous;
+  while (auto frame = sequence.next()) {
+    if (options.frames > 0 && frame->index >= options.frames) break;
+    const cv::Mat1b truth = sequence.groundTruthMask();
+    MotionResult result;
+    {
+      auto timer = times.scope("motion", frame->index);
+      while (!late.empty() && secondsBetween(late.front().stamp, frame->stamp) >= options.mask_delay_s) {
+        detector.addLabels(late.front().stamp, late.front().labels, label_set);
+        late.pop_front();
+      }
+      result = detector.detect(*frame);
+    }
+    if (options.mask_delay_s >= 0.0 && !truth.empty() && frame->index % options.mask_period == 0) {
+      late.push_back({frame->stamp, cv::Mat1b(truth / 255)});
+    }
+    if (!truth.empty()) counts.add(result.dynamic, truth);
+    shares.push_back(result.dynamic_share);
+    ++by_model[static_cast<int>(result.model)];
+    if (frame->index > 0) motion_error.add(previous, frame->stamp, result);
+    previous = frame->stamp;
+    if (!options.pictures.empty() && frame->index % options.every == 0) {
+      writePictures(options.pictures, *frame, result, truth);
+    }
+  }
+  const StageSummary cpu = times.summarize().at(0);
+  double mean_share = 0.0;
+  for (const double share : shares) mean_share += share / static_cast<double>(shares.size());
+  std::printf("frames %zu (none %zu, homography %zu, rigid flow %zu); CPU median %.2f p95 %.2f worst %.2f ms\n",
+              shares.size(), by_model[0], by_model[1], by_model[2], cpu.cpu.median_ms, cpu.cpu.p95_ms,
+              cpu.cpu.worst_ms);
+  std::printf("called dynamic: mean %.2f %%, p95 %.2f %%, worst %.2f %% of the pixels\n", 100.0 * mean_share,
+              100.0 * quantile(shares, 0.95), 100.0 * quantile(shares, 1.0));
+  if (counts.real > 0) {
+    std::printf("against the masks: recall %.3f precision %.3f IoU %.3f\n", counts.recall(), counts.precision(),
+                counts.iou());
+  }
+  motion_error.print();
+}
+
+}  // namespace
+}  // namespace semantic_vslam
+
+int main(int argc, char** argv) {
+  try {
+    semantic_vslam::run(semantic_vslam::parseOptions(argc, argv));
+    return EXIT_SUCCESS;
+  } catch (const std::exception& error) {
+    std::cerr << "measure_motion: " << error.what() << '\n';
+    return EXIT_FAILURE;
+  }
+}

@@ -31,6 +31,7 @@ octomap::ColorOcTree makeOctree(const VoxelMap& map) {
     octomap::ColorOcTreeNode* node = tree.setNodeValue(key, static_cast<float>(voxel.log_odds), kLazy);
     if (voxel.state == Occupancy::kOccupied) node->setColor(voxel.bgr[2], voxel.bgr[1], voxel.bgr[0]);
   });
+  if (tree.size() == 0) return tree;  // OctoMap follows a null root otherwise
   tree.updateInnerOccupancy();
   tree.prune();
   return tree;

@@ -18,7 +18,7 @@ struct OctreeMessage {
   bool binary = false;
   std::string id;  ///< class of the tree: "OcTree" or "ColorOcTree"
   double resolution_m = 0.0;
-  std::vector<std::int8_t> data;
+  std::vector<std::int8_t> data;  ///< empty for an empty map
 };
 
 /// Free and occupied only, two bits a node: octomap_msgs' binaryMapToMsg of an OcTree.

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/dense/occupancy_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "dense_scene.h"
+#include "semantic_vslam/core/common/error.h"
+
+namespace semantic_vslam {
+namespace {
+
+/// The camera looks along +x of the map, 1 m above its floor: z forward -> x, x right -> -y, y down -> -z.
+SE3 mapFromCamera() {
+  SE3 T = SE3::Identity();
+  T.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  T.translation() = Eigen::Vector3d(0.0, 0.0, 1.0);
+  return T;
+}
+
+VoxelMap roomMap(const RgbdFrame& frame) {
+  VoxelMapConfig config;
+  config.resolution_m = 0.1;
+  VoxelMap map(config);
+  KeyframeCloudConfig cloud_config;
+  cloud_config.stride_px = 1;
+  const auto cloud = makeKeyframeCloud(KeyframeId(0), frame, cv::Mat1b(), cv::Mat1b(), cloud_config);
+  map.integrate(cloud.points, makeFreeSpaceView(frame, cv::Mat1b(), 0.0019, 2), SE3::Identity());
+  return map;
+}
+
+OccupancyGridConfig tenCentimetres() {
+  OccupancyGridConfig config;
+  config.resolution_m = 0.1;
+  return config;
+}
+
+std::int8_t cellAt(const OccupancyGrid& grid, double x_m, double y_m) {
+  const int x = static_cast<int>(std::floor((x_m - grid.origin_x_m) / grid.resolution_m));
+  const int y = static_cast<int>(std::floor((y_m - grid.origin_y_m) / grid.resolution_m));
+  const bool inside = x >= 0 && y >= 0 && x < grid.width && y < grid.height;
+  return inside ? grid.at(x, y) : OccupancyGrid::kUnknown;
+}
+
+TEST(OccupancyGrid, ShowsWallFreeAndUnknownFromAbove) {
+  const OccupancyGrid grid = projectToGrid(roomMap(wallFrame(3.05F)), mapFromCamera(), tenCentimetres());
+  for (const double y : {-1.05, 0.05, 1.05}) EXPECT_EQ(cellAt(grid, 3.05, y), OccupancyGrid::kOccupied) << y;
+  EXPECT_EQ(cellAt(grid, 1.55, 0.05), OccupancyGrid::kFree);
+  EXPECT_EQ(cellAt(grid, 2.55, -0.55), OccupancyGrid::kFree);
+  EXPECT_EQ(cellAt(grid, 1.05, 1.55), OccupancyGrid::kUnknown);  // beside the view
+  EXPECT_EQ(cellAt(grid, 3.45, 0.05), OccupancyGrid::kUnknown);  // behind the wall
+  // The wall ends the grid: columns 0..63 at 3.05 m reach from y = 1.95 to -1.89.
+  EXPECT_NEAR(grid.origin_x_m + grid.width * grid.resolution_m, 3.1, 1e-9);
+  EXPECT_NEAR(grid.origin_y_m, -1.9, 1e-9);
+  EXPECT_EQ(grid.cells.size(), static_cast<std::size_t>(grid.width) * grid.height);
+}
+
+TEST(OccupancyGrid, OnlyTheHeightBandCounts) {
+  // A beam at 1.5 m (z of the camera frame 2.05, 0.5 m above the axis), with the wall behind.
+  RgbdFrame frame = wallFrame(3.05F);
+  frame.depth_m.rowRange(9, 14) = 2.05F;  // (9 .. 13 - 24) / 50 * 2.05 = -0.62 .. -0.45 m
+  const VoxelMap map = roomMap(frame);
+  OccupancyGridConfig config = tenCentimetres();
+  EXPECT_EQ(cellAt(projectToGrid(map, mapFromCamera(), config), 2.05, 0.05), OccupancyGrid::kOccupied);
+  config.max_height_m = 1.2;  // a robot that passes below
+  EXPECT_EQ(cellAt(projectToGrid(map, mapFromCamera(), config), 2.05, 0.05), OccupancyGrid::kFree);
+  config.floor_height_m = 0.4;  // the same band, 0.4 m higher
+  EXPECT_EQ(cellAt(projectToGrid(map, mapFromCamera(), config), 2.05, 0.05), OccupancyGrid::kOccupied);
+}
+
+TEST(OccupancyGrid, AThinFreeColumnIsUnknown) {
+  OccupancyGridConfig config = tenCentimetres();
+  config.free_height_m = 1.0;
+  const VoxelMap map = roomMap(wallFrame(3.05F));
+  const OccupancyGrid grid = projectToGrid(map, mapFromCamera(), config);
+  EXPECT_EQ(cellAt(grid, 0.55, 0.05), OccupancyGrid::kUnknown);  // 48 rows at 0.55 m see a band of 0.5 m
+  EXPECT_EQ(cellAt(grid, 2.55, 0.05), OccupancyGrid::kFree);     // at 2.55 m of 1.7 m (0.1 .. 1.8 counts)
+}
+
+TEST(OccupancyGrid, AnEmptyMapIsAnEmptyGrid) {
+  const OccupancyGrid grid = projectToGrid(VoxelMap(VoxelMapConfig()), SE3::Identity(), OccupancyGridConfig());
+  EXPECT_EQ(grid.width, 0);
+  EXPECT_TRUE(grid.cells.empty());
+}
+
+TEST(OccupancyGrid, RefusesABandUpsideDown) {
+  OccupancyGridConfig config;
+  config.min_height_m = 2.0;
+  EXPECT_THROW(projectToGrid(VoxelMap(VoxelMapConfig()), SE3::Identity(), config), ConfigError);
+}
+
+}  // namespace
+}  // namespace semantic_vslam

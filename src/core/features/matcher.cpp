@@ -67,7 +67,7 @@ void keepConsistentRotation(std::vector<FeatureMatch>& matches, const std::vecto
   auto sorted = counts;
   std::sort(sorted.rbegin(), sorted.rend());
   // The second and third bin count only while they hold at least a tenth of the first: noise around the main turn.
-  const int least = std::max({1, sorted[2], static_cast<int>(0.1 * sorted[0])});
+  const double least = std::max(static_cast<double>(sorted[2]), 0.1 * sorted[0]);
   const auto odd = [&](const FeatureMatch& match) {
     const int bin = binOf(match);
     return bin >= 0 && counts[bin] < least;

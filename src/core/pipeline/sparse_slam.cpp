@@ -42,6 +42,7 @@ SparseStep SparseSlam::step(const RgbdFrame& frame, const cv::Mat1b& dynamic, St
     } else {
       ++pending_;
       worker_times_ = &times;
+      if (queue_.size() > 0) abort_ba_ = true;  // the worker falls behind: a newer bundle takes over
       queue_.push(*id);
     }
   }
@@ -77,15 +78,28 @@ KeyframeId SparseSlam::insertLocked(const TrackedFrame& frame) {
 void SparseSlam::maintain(KeyframeId keyframe, StageTimes& times) {
   auto timer = times.scope("local_mapping", keyframe.value());
   const double baseline_m = config_.tracking.frame.virtual_baseline_m;
+  abort_ba_ = false;
+  BaProblem problem;
   {
     std::lock_guard<std::mutex> lock(mutex_);
     if (!map_.keyframe(keyframe)) return;
     cullRecentLandmarks(map_, keyframe, config_.mapping);
     fuseWithNeighbours(map_, keyframe, baseline_m, config_.mapping);
+    problem = selectLocal(map_, keyframe, config_.local_ba);
   }
+  const MapSolution solution = solve(problem, config_.local_ba, &abort_ba_);
   std::lock_guard<std::mutex> lock(mutex_);
+  applyLocked(solution, problem.map_version);
   cullRedundantKeyframes(map_, keyframe, tracker_.reference(), baseline_m, config_.mapping,
                          [this](const Keyframe& removed) { trajectory_.keyframeRemoved(map_, removed); });
+}
+
+void SparseSlam::applyLocked(const MapSolution& solution, std::uint64_t version) {
+  const Keyframe* reference = map_.keyframe(tracker_.reference());
+  const SE3 T_reference_world_before = reference ? reference->T_camera_world : SE3::Identity();
+  if (map_.apply(solution, version) && reference) {
+    tracker_.followReference(T_reference_world_before, reference->T_camera_world);
+  }
 }
 
 void SparseSlam::work() {

@@ -130,8 +130,10 @@ void Tracker::startFrom(TrackedFrame frame, KeyframeId reference) {
   reference_ = reference;
 }
 
-void Tracker::mapMoved(const SE3& T_old_new) {
-  if (last_) last_->T_camera_world = last_->T_camera_world * T_old_new;
+void Tracker::followReference(const SE3& T_reference_world_before, const SE3& T_reference_world_after) {
+  if (last_) {
+    last_->T_camera_world = last_->T_camera_world * T_reference_world_before.inverse() * T_reference_world_after;
+  }
 }
 
 void Tracker::reset() {

@@ -15,6 +15,7 @@
 #include "semantic_vslam/core/eval/stage_timing.h"
 #include "semantic_vslam/core/map/map.h"
 #include "semantic_vslam/core/map/map_maintenance.h"
+#include "semantic_vslam/core/optimization/bundle_adjustment.h"
 #include "semantic_vslam/core/tracking/tracker.h"
 #include "semantic_vslam/core/tracking/trajectory_log.h"
 
@@ -23,11 +24,13 @@ namespace semantic_vslam {
 struct SparseSlamConfig {
   TrackerConfig tracking;
   MapMaintenanceConfig mapping;
+  BaConfig local_ba;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.group("tracking", tracking);
     v.group("mapping", mapping);
+    v.group("local_ba", local_ba);
   }
 };
 
@@ -75,6 +78,7 @@ class SparseSlam {
   SparseStep trackLocked(const TrackedFrame& frame);
   KeyframeId insertLocked(const TrackedFrame& frame);
   void maintain(KeyframeId keyframe, StageTimes& times);
+  void applyLocked(const MapSolution& solution, std::uint64_t version);
   void work();
 
   const SparseSlamConfig config_;

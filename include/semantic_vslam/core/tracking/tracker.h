@@ -82,8 +82,8 @@ class Tracker {
   void keyframeInserted(const Map& map, KeyframeId id);
   /// Goes on from a frame whose pose and landmarks are known: k1 of the initialisation, or one found by relocalisation.
   void startFrom(TrackedFrame frame, KeyframeId reference);
-  /// The map was corrected: follow the reference keyframe to its new pose.
-  void mapMoved(const SE3& T_old_new);
+  /// The map was corrected: the last frame goes with its reference keyframe.
+  void followReference(const SE3& T_reference_world_before, const SE3& T_reference_world_after);
   KeyframeId reference() const { return reference_; }
   void reset();
 

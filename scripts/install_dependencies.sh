@@ -38,9 +38,8 @@ mapfile -t packages < <(missing)
 apt_get=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=600 -o Dpkg::Use-Pty=0)
 say "installing ${#packages[@]} packages and what they depend on (a few minutes)"
 "${apt_get[@]}" update 9>&- || say "apt-get update had errors; trying with the package lists there are"
-for package in "${packages[@]}"; do
-  apt-cache show "$package" >/dev/null 2>&1 ||
-    die "package $package is in none of the configured sources; $([ $column = 3 ] && echo "add the ROS Noetic" || echo "enable Debian's main") package source and run again"
-done
+unknown=$(comm -23 <(printf '%s\n' "${packages[@]}") <(apt-cache pkgnames | sort -u) | tr '\n' ' ')
+[ -z "$unknown" ] ||
+  die "not in the configured package sources: ${unknown}(add $([ $column = 3 ] && echo "the ROS Noetic source" || echo "Debian's main archive") and run again)"
 "${apt_get[@]}" install -y --no-install-recommends "${packages[@]}" 9>&- ||
   die "apt-get install (messages above); mend it, for instance with: apt-get -f install, then run again"

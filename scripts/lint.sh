@@ -15,7 +15,7 @@ check() {
   local tool=$1 name=$2
   shift 2
   if ! command -v "$tool" >/dev/null; then
-    say "skipped: $name ($tool is not installed: apt-get install $tool)"
+    say "skipped: $name ($tool is not installed)"
   elif "$@"; then
     say "ok: $name"
   else
@@ -26,15 +26,27 @@ check() {
 cpp_files() { find src include test \( -name '*.cpp' -o -name '*.h' \) -print0 2>/dev/null; }
 check_format() { cpp_files | xargs -0 -r clang-format --dry-run -Werror; }
 check_shell() { shellcheck --external-sources --severity=warning run .ci/run scripts/*.sh test/*.sh; }
-check_python() { find scripts test launch -name '*.py' -print0 2>/dev/null | xargs -0 -r python3 -m py_compile; }
-check_xml() { find . -path ./build -prune -o \( -name '*.xml' -o -name '*.launch' -o -name '*.test' \) -print0 | xargs -0 xmllint --noout; }
+# usage: tracked PATTERN...   the repository's files of these names, without what was built, zero-terminated
+tracked() { find . \( -path ./build -o -path ./out -o -path ./.git \) -prune -o -type f \( "$@" \) -print0; }
+check_python() {
+  tracked -name '*.py' | xargs -0 -r python3 -c 'import ast, sys
+for name in sys.argv[1:]: ast.parse(open(name).read(), name)'
+}
+check_xml() {
+  tracked -name '*.xml' -o -name '*.launch' -o -name '*.test' | xargs -0 python3 -c 'import sys, xml.dom.minidom
+for name in sys.argv[1:]:
+    try: xml.dom.minidom.parse(name)
+    except Exception as error: sys.exit(f"{name}: {error}")'
+}
 check_license() {
   local unsigned
   unsigned=$(find src include test scripts -type f \( -name '*.cpp' -o -name '*.h' -o -name '*.py' -o -name '*.sh' \) \
     -exec sh -c 'head -n 3 "$1" | grep -q "SPDX-License-Identifier: BSD-3-Clause" || echo "$1: no SPDX header"' sh {} \;)
   [ -z "$unsigned" ] || { echo "$unsigned"; return 1; }
 }
-check_headers() { [ -f build/release/build.ninja ] && ninja -C build/release check_headers; }
+check_headers() {
+  ninja -C build/release check_headers >build/release/check_headers.log 2>&1 || { grep -A5 'error:' build/release/check_headers.log; return 1; }
+}
 check_tidy() {
   local base changed
   base=$(git merge-base HEAD "$(git rev-parse --verify -q origin/main || git rev-parse main)")
@@ -47,7 +59,7 @@ check grep "licence headers" check_license
 check sh "core free of ROS" test/core_is_ros_free.sh "$root"
 check shellcheck "shell scripts" check_shell
 check python3 "Python syntax" check_python
-check xmllint "XML files" check_xml
+check python3 "XML files" check_xml
 check catkin_lint "catkin package" catkin_lint --strict -q .
 if [ -f build/release/build.ninja ]; then
   check ninja "self-contained headers" check_headers

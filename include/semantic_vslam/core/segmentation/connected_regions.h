@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace semantic_vslam {
+
+/// Parts of an image whose neighbouring pixels belong together.
+struct ConnectedRegions {
+  cv::Mat1i id;  ///< region of each pixel; -1: none
+  int count = 0;
+};
+
+/// Splits the pixels that `active(index)` names into 8-connected regions of pixels that `joined(a, b)` puts together;
+/// indices are row * width + column. Regions are numbered in the order of their first pixel. Union-find over one raster
+/// scan: linear in the number of pixels.
+template <class Active, class Joined>
+ConnectedRegions connectRegions(const cv::Size& size, const Active& active, const Joined& joined) {
+  const int width = size.width;
+  ConnectedRegions regions;
+  regions.id.create(size);
+  int* parent = regions.id.ptr<int>();  // the forest lives in the result: a pixel's parent never comes after it
+  const auto rootOf = [parent](int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  const auto join = [&](int a, int b) {
+    if (parent[b] < 0 || !joined(a, b)) return;
+    const int root_a = rootOf(a), root_b = rootOf(b);
+    parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
+  };
+  for (int v = 0, i = 0; v < size.height; ++v) {
+    for (int u = 0; u < width; ++u, ++i) {
+      parent[i] = active(i) ? i : -1;
+      if (parent[i] < 0) continue;
+      if (u > 0) join(i, i - 1);
+      if (v == 0) continue;
+      if (u > 0) join(i, i - width - 1);
+      join(i, i - width);
+      if (u + 1 < width) join(i, i - width + 1);
+    }
+  }
+  // Parents come first, so that one more scan turns the forest into numbers.
+  std::vector<int> number(size.area());
+  for (int i = 0; i < size.area(); ++i) {
+    if (parent[i] < 0) continue;
+    number[i] = parent[i] == i ? regions.count++ : number[parent[i]];
+  }
+  for (int i = 0; i < size.area(); ++i) {
+    if (parent[i] >= 0) parent[i] = number[i];
+  }
+  return regions;
+}
+
+}  // namespace semantic_vslam

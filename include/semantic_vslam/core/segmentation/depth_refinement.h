@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "semantic_vslam/core/camera/rgbd_frame.h"
+#include "semantic_vslam/core/common/rng.h"
+
+namespace semantic_vslam {
+
+struct RefinementConfig {
+  bool enabled = true;
+  double epsilon = 4.0;
+  int samples = 100;
+  std::string average = "median";
+  int seed = 1;
+  int min_mask_px = 40;
+  double min_region_share = 0.02;
+  double object_depth_m = 0.5;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.flag("enabled", enabled, "false: the network's masks are used as they are");
+    v.field("epsilon", epsilon, 0.1, 100.0, "eq. (4): growth crosses steps below epsilon times the mask's mean step");
+    v.field("samples", samples, 1, 10000, "eq. (3): random pixels of a mask that its mean step is taken from");
+    v.choice("average", average, {"mean", "median"},
+             "eq. (3) over the samples; the mean is as published, the median ignores samples on the object's edge");
+    v.field("seed", seed, 0, 1000000000, "of the random samples");
+    v.field("min_mask_px", min_mask_px, 0, 100000, "smaller connected masks are dropped as noise of the network, px");
+    v.field("min_region_share", min_region_share, 0.0, 1.0,
+            "regions of a mask beside the seed's are grown too if they hold this share of it; 1: never, as published");
+    v.field("object_depth_m", object_depth_m, 0.0, 10.0,
+            "and if their median depth lies within this of the seed region's, m: an arm before a body, not the wall");
+  }
+};
+
+/// Eq. (2): centroid (m10 / m00, m01 / m00) of a mask by its moments. @param pixels  not empty
+cv::Point2d centroidByMoments(const std::vector<cv::Point>& pixels);
+
+/// Eq. (3): how far apart neighbouring points of an object lie. For each of `samples` random pixels the mean 3-D
+/// distance to its 8 neighbours in the mask, the largest and the smallest left out; of those the mean or the median.
+/// @param mask      height x width; neighbours count where mask equals mask_id
+/// @param pixels    the mask's pixels with depth
+/// @param points_m  3-D point of each of them; z = 0 where none
+/// @return metres; 0 if no sample has three neighbours
+double neighbourDistance(const cv::Mat1i& mask, int mask_id, const std::vector<cv::Point>& pixels,
+                         const cv::Mat3f& points_m, int samples, bool median, Rng& rng);
+
+/// Cuts every connected mask back to the object it lies on (the paper's table 1). From the mask's centroid, or the
+/// nearest pixel of it with depth, the region grows over 8 neighbours inside the mask while their 3-D distance is below
+/// T = epsilon * rho, eq. (4), with rho of eq. (3). What is not reached becomes background. Linear in the image's size.
+///
+/// Beyond the paper, since masks are not always convex and depth not always whole:
+/// - a part that the growth cannot reach (an arm before the body, a person behind a chair's leg) is grown from a seed
+///   of its own and stays if it is large enough and about as far away (min_region_share, object_depth_m). If the
+///   centroid fell on something small, the mask's largest region takes the seed's place;
+/// - pixels without depth stay where most of the pixels around their hole stay; a mask without any depth stays whole.
+///
+/// @param labels  height x width, 0 = background  @param frame  of the same size
+/// @return refined labels, same size.
+cv::Mat1b refineOnDepth(const cv::Mat1b& labels, const RgbdFrame& frame, const RefinementConfig& config);
+
+}  // namespace semantic_vslam

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "semantic_vslam/core/segmentation/depth_refinement.h"
+
+namespace semantic_vslam {
+
+/// Stage 4: the network, the refinement of its masks on depth, and the decision which objects move.
+struct SegmentationConfig {
+  std::string model;
+  std::string sidecar;
+  std::string provider = "auto";
+  int threads = 1;
+  int arena_mb = 512;
+  double phi = 0.4;
+  RefinementConfig refinement;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.text("model", model, "semantic network, .onnx file; empty: no network, motion detection alone");
+    v.text("sidecar", sidecar,
+           "YAML that describes the network; empty: the .yaml of the same stem beside it, else in models/sidecars");
+    v.choice("provider", provider, {"auto", "cpu", "cuda", "tensorrt"},
+             "where the network runs; auto: TensorRT, else CUDA, where the library and the machine have it, else CPU");
+    v.field("threads", threads, 1, 64,
+            "threads of the network on the CPU; 1 leaves a two-core robot its tracking core");
+    v.field("arena_mb", arena_mb, 16, 16384, "upper bound of the network's working memory, MiB");
+    v.field("phi", phi, 0.0, 1.0, "eq. (5): an object moves when more than this share of its mask moves");
+    v.group("refinement", refinement);
+  }
+};
+
+}  // namespace semantic_vslam

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/segmentation/segmentation_stage.h"
+
+#include <string>
+#include <utility>
+
+#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/common/log.h"
+#include "semantic_vslam/core/segmentation/depth_refinement.h"
+#include "semantic_vslam/core/segmentation/onnx_segmenter.h"
+
+namespace semantic_vslam {
+namespace {
+
+std::unique_ptr<Segmenter> openNetwork(const SegmentationConfig& config) {
+  if (!config.model.empty()) return makeOnnxSegmenter(config);
+  logInfo("no semantic network (segmentation.model is empty): motion detection alone finds what moves");
+  return nullptr;
+}
+
+}  // namespace
+
+SegmentationStage::SegmentationStage(const SegmentationConfig& config)
+    : SegmentationStage(config, openNetwork(config)) {}
+
+SegmentationStage::SegmentationStage(const SegmentationConfig& config, std::unique_ptr<Segmenter> segmenter)
+    : config_(config), segmenter_(std::move(segmenter)) {
+  validateConfig(config_);
+  if (segmenter_ != nullptr) labels_ = segmenter_->labels();
+}
+
+cv::Mat1b SegmentationStage::process(const RgbdFrame& frame) {
+  if (segmenter_ == nullptr) return {};
+  try {
+    return refineOnDepth(segmenter_->segment(frame.bgr), frame, config_.refinement);
+  } catch (const ModelError& error) {
+    logError(std::string(error.what()) + "; going on without labels");
+    segmenter_.reset();
+    return {};
+  }
+}
+
+}  // namespace semantic_vslam

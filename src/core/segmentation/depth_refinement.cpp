@@ -103,23 +103,48 @@ struct Region {
   int mask_id = 0;
   int size_px = 0;
   bool hole = false;
+  bool person = false;
   float median_depth_m = 0.0F;
+  double thickness_px = 0.0;  ///< mean width: a band of width w has 2 border pixels for every w pixels
 };
 
-std::vector<Region> describeRegions(const PixelLists& lists, const ConnectedRegions& masks, const cv::Mat3f& points_m) {
-  std::vector<Region> regions(lists.first.size() - 1);
+/// Number of a part's pixels that have a neighbour outside of it, or lie on the image's edge.
+int borderPixels(const ConnectedRegions& parts, const int* begin, const int* end) {
+  const int width = parts.id.cols, height = parts.id.rows;
+  const int* id = parts.id.ptr<int>();
+  int border = 0;
+  for (const int* i = begin; i != end; ++i) {
+    const int u = *i % width, v = *i / width, part = id[*i];
+    const bool inside = u > 0 && v > 0 && u + 1 < width && v + 1 < height && id[*i - 1] == part && id[*i + 1] == part &&
+                        id[*i - width] == part && id[*i + width] == part;
+    if (!inside) ++border;
+  }
+  return border;
+}
+
+float medianDepth(const cv::Mat3f& points_m, const int* begin, const int* end) {
   std::vector<float> depths;
-  for (std::size_t k = 0; k < regions.size(); ++k) {
+  depths.reserve(end - begin);
+  for (const int* i = begin; i != end; ++i) depths.push_back(points_m.ptr<cv::Vec3f>()[*i][2]);
+  std::nth_element(depths.begin(), depths.begin() + depths.size() / 2, depths.end());
+  return depths[depths.size() / 2];
+}
+
+std::vector<Region> describeRegions(const ConnectedRegions& parts, const PixelLists& lists,
+                                    const ConnectedRegions& masks, const cv::Mat3f& points_m, const cv::Mat1b& labels,
+                                    const LabelSet& label_set) {
+  std::vector<Region> regions(parts.count);
+  for (int k = 0; k < parts.count; ++k) {
     const int* begin = lists.pixels.data() + lists.first[k];
     const int* end = lists.pixels.data() + lists.first[k + 1];
-    regions[k].mask_id = masks.id.ptr<int>()[*begin];
-    regions[k].size_px = static_cast<int>(end - begin);
-    regions[k].hole = points_m.ptr<cv::Vec3f>()[*begin][2] == 0.0F;
-    if (regions[k].hole) continue;
-    depths.clear();
-    for (const int* i = begin; i != end; ++i) depths.push_back(points_m.ptr<cv::Vec3f>()[*i][2]);
-    std::nth_element(depths.begin(), depths.begin() + depths.size() / 2, depths.end());
-    regions[k].median_depth_m = depths[depths.size() / 2];
+    Region& region = regions[k];
+    region.mask_id = masks.id.ptr<int>()[*begin];
+    region.size_px = static_cast<int>(end - begin);
+    region.hole = points_m.ptr<cv::Vec3f>()[*begin][2] == 0.0F;
+    region.person = label_set.mobility(labels.ptr<std::uint8_t>()[*begin]) == Mobility::kPerson;
+    if (region.hole) continue;
+    region.median_depth_m = medianDepth(points_m, begin, end);
+    region.thickness_px = 2.0 * region.size_px / borderPixels(parts, begin, end);
   }
   return regions;
 }
@@ -149,8 +174,9 @@ std::vector<char> keptSurfaces(const std::vector<Region>& regions, const std::ve
     if (region.hole || main < 0) continue;
     const int mask_px = mask_pixels.first[region.mask_id + 1] - mask_pixels.first[region.mask_id];
     const bool large = config.min_region_share < 1.0 && region.size_px >= config.min_region_share * mask_px;
+    const bool solid = region.thickness_px >= config.min_thickness_px;
     const bool near = std::abs(region.median_depth_m - regions[main].median_depth_m) <= config.object_depth_m;
-    keep[k] = static_cast<int>(k) == main || (large && near);
+    keep[k] = static_cast<int>(k) == main || (large && solid && (near || region.person));
   }
   return keep;
 }
@@ -220,7 +246,8 @@ double neighbourDistance(const cv::Mat1i& mask, int mask_id, const std::vector<c
   return means[means.size() / 2];
 }
 
-cv::Mat1b refineOnDepth(const cv::Mat1b& labels, const RgbdFrame& frame, const RefinementConfig& config) {
+cv::Mat1b refineOnDepth(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame,
+                        const RefinementConfig& config) {
   assert(labels.size() == frame.depth_m.size());
   if (!config.enabled) return labels.clone();
   const std::uint8_t* label = labels.ptr<std::uint8_t>();
@@ -247,7 +274,7 @@ cv::Mat1b refineOnDepth(const cv::Mat1b& labels, const RgbdFrame& frame, const R
         return squaredDistance(point[a], point[b]) < prepared[mask_of[a]].squared_threshold_m2;
       });
   const PixelLists part_pixels = listPixels(parts);
-  const std::vector<Region> regions = describeRegions(part_pixels, masks, points_m);
+  const std::vector<Region> regions = describeRegions(parts, part_pixels, masks, points_m, labels, label_set);
   const std::vector<int> main_of_mask = mainRegions(prepared, regions, parts);
   std::vector<char> keep = keptSurfaces(regions, main_of_mask, mask_pixels, config);
   keepEnclosedHoles(regions, parts, part_pixels, main_of_mask, keep);

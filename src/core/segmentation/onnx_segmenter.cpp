@@ -95,7 +95,8 @@ void chooseProvider(Ort::SessionOptions& options, const std::string& wanted) {
   if (wanted != "auto") logWarning("segmentation.provider '" + wanted + "' is not available here; the CPU is used");
 }
 
-Ort::SessionOptions sessionOptions(const SegmentationConfig& config) {
+/// @param integer  compute quantised layers in integers; false: in float, with the same weights
+Ort::SessionOptions sessionOptions(const SegmentationConfig& config, bool integer) {
   Ort::SessionOptions options;
   options.SetIntraOpNumThreads(config.threads);
   options.SetInterOpNumThreads(1);
@@ -103,6 +104,7 @@ Ort::SessionOptions sessionOptions(const SegmentationConfig& config) {
   options.SetGraphOptimizationLevel(ORT_ENABLE_ALL);
   options.AddConfigEntry("session.intra_op.allow_spinning", "0");  // a waiting thread must not take tracking's core
   options.AddConfigEntry("session.use_env_allocators", "1");
+  if (!integer) options.AddConfigEntry("session.disable_quant_qdq", "1");
   chooseProvider(options, config.provider);
   return options;
 }
@@ -167,7 +169,15 @@ void OnnxSegmenter::misfit(const std::string& what) const {
 void OnnxSegmenter::openSession(const SegmentationConfig& config) {
   try {
     registerArena(config.arena_mb);
-    session_ = Ort::Session(environment(), model_.c_str(), sessionOptions(config));
+    try {
+      session_ = Ort::Session(environment(), model_.c_str(), sessionOptions(config, true));
+    } catch (const Ort::Exception&) {
+      // ONNX Runtime 1.21 and 1.22 break some valid quantised networks while they fuse their layers ("two nodes with
+      // same node name"). Computed in float they are right, and slower.
+      session_ = Ort::Session(environment(), model_.c_str(), sessionOptions(config, false));
+      logInfo("segmentation: this ONNX Runtime cannot fuse the quantised layers of '" + model_ +
+              "'; computing in float");
+    }
   } catch (const Ort::Exception& error) {
     throw ModelError("network '" + model_ + "' cannot be loaded: " + reason(error) + "; fetch or export it again");
   }

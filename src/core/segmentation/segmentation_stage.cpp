@@ -34,7 +34,7 @@ SegmentationStage::SegmentationStage(const SegmentationConfig& config, std::uniq
 cv::Mat1b SegmentationStage::process(const RgbdFrame& frame) {
   if (segmenter_ == nullptr) return {};
   try {
-    return refineOnDepth(segmenter_->segment(frame.bgr), frame, config_.refinement);
+    return refineOnDepth(segmenter_->segment(frame.bgr), labels_, frame, config_.refinement);
   } catch (const ModelError& error) {
     logError(std::string(error.what()) + "; going on without labels");
     segmenter_.reset();

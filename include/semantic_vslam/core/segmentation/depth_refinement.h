@@ -8,6 +8,7 @@
 
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/common/rng.h"
+#include "semantic_vslam/core/segmentation/label_set.h"
 
 namespace semantic_vslam {
 
@@ -19,6 +20,7 @@ struct RefinementConfig {
   int seed = 1;
   int min_mask_px = 40;
   double min_region_share = 0.02;
+  double min_thickness_px = 12.0;
   double object_depth_m = 0.5;
 
   template <class Visitor>
@@ -32,8 +34,11 @@ struct RefinementConfig {
     v.field("min_mask_px", min_mask_px, 0, 100000, "smaller connected masks are dropped as noise of the network, px");
     v.field("min_region_share", min_region_share, 0.0, 1.0,
             "regions of a mask beside the seed's are grown too if they hold this share of it; 1: never, as published");
+    v.field("min_thickness_px", min_thickness_px, 0.0, 1000.0,
+            "and are this thick on average, px: a mask that is too large leaves a thin band of what lies behind");
     v.field("object_depth_m", object_depth_m, 0.0, 10.0,
-            "and if their median depth lies within this of the seed region's, m: an arm before a body, not the wall");
+            "and if their median depth lies within this of the seed region's, m: an arm before a body, not the wall; "
+            "people stay at any depth, since two who overlap make one mask");
   }
 };
 
@@ -55,12 +60,13 @@ double neighbourDistance(const cv::Mat1i& mask, int mask_id, const std::vector<c
 ///
 /// Beyond the paper, since masks are not always convex and depth not always whole:
 /// - a part that the growth cannot reach (an arm before the body, a person behind a chair's leg) is grown from a seed
-///   of its own and stays if it is large enough and about as far away (min_region_share, object_depth_m). If the
-///   centroid fell on something small, the mask's largest region takes the seed's place;
+///   of its own and stays if it is large and thick enough and about as far away (min_region_share, min_thickness_px,
+///   object_depth_m). If the centroid fell on something small, the mask's largest region takes the seed's place;
 /// - pixels without depth stay where most of the pixels around their hole stay; a mask without any depth stays whole.
 ///
-/// @param labels  height x width, 0 = background  @param frame  of the same size
+/// @param labels  height x width, indices into label_set; @param frame  of the same size
 /// @return refined labels, same size.
-cv::Mat1b refineOnDepth(const cv::Mat1b& labels, const RgbdFrame& frame, const RefinementConfig& config);
+cv::Mat1b refineOnDepth(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame,
+                        const RefinementConfig& config);
 
 }  // namespace semantic_vslam

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/segmentation/connected_regions.h"
+
+#include <gtest/gtest.h>
+
+namespace semantic_vslam {
+namespace {
+
+/// Regions of equal letters; '.' belongs to none.
+ConnectedRegions regionsOf(const std::vector<std::string>& rows) {
+  std::string all;
+  for (const auto& row : rows) all += row;
+  return connectRegions(
+      cv::Size(static_cast<int>(rows[0].size()), static_cast<int>(rows.size())), [&](int i) { return all[i] != '.'; },
+      [&](int a, int b) { return all[a] == all[b]; });
+}
+
+TEST(ConnectRegions, JoinsOverCornersAndNumbersByFirstPixel) {
+  const ConnectedRegions regions = regionsOf({"a..b",  //
+                                              ".a.b",  //
+                                              "c.a."});
+  EXPECT_EQ(regions.count, 3);
+  EXPECT_EQ(regions.id(0, 0), 0);
+  EXPECT_EQ(regions.id(1, 1), 0);
+  EXPECT_EQ(regions.id(2, 2), 0);
+  EXPECT_EQ(regions.id(1, 3), 1);
+  EXPECT_EQ(regions.id(2, 0), 2);
+  EXPECT_EQ(regions.id(0, 1), -1);
+}
+
+TEST(ConnectRegions, JoinsArmsThatMeetLate) {
+  const ConnectedRegions regions = regionsOf({"a.a.a",  //
+                                              "a.a.a",  //
+                                              "aaaaa"});
+  EXPECT_EQ(regions.count, 1);
+}
+
+TEST(ConnectRegions, KeepsApartWhatIsNotJoined) { EXPECT_EQ(regionsOf({"abab", "abab"}).count, 4); }
+
+TEST(ConnectRegions, FindsNothingInNothing) { EXPECT_EQ(regionsOf({"..", ".."}).count, 0); }
+
+}  // namespace
+}  // namespace semantic_vslam

@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "semantic_vslam/core/common/bounded_queue.h"
+#include "semantic_vslam/core/dense/dense_mapper.h"
+#include "semantic_vslam/core/eval/stage_timing.h"
+#include "semantic_vslam/core/motion/motion_detector.h"
+#include "semantic_vslam/core/pipeline/config.h"
+#include "semantic_vslam/core/pipeline/sparse_slam.h"
+#include "semantic_vslam/core/segmentation/segmentation_stage.h"
+
+namespace semantic_vslam {
+
+/// What the whole way made of one frame.
+struct StepResult {
+  bool posed = false;                       ///< the map gave this frame a pose
+  SE3 T_world_camera = SE3::Identity();     ///< valid if posed; a prediction while RECENTLY_LOST
+  TrackingResult tracking;
+  std::optional<KeyframeId> keyframe;       ///< set if the frame became a keyframe
+  MotionResult motion;
+  cv::Mat1b dynamic;  ///< what tracking was told: motion, and people of the first frames' labels; 0..255
+};
+
+/// The whole way of a frame, read from top to bottom in step(): motion, segmentation where tracking cannot do without,
+/// pose, and for a keyframe labels, removal of what moves, and the dense map.
+class SlamSystem {
+ public:
+  /// kSynchronous: everything within step(), the same bytes out for the same bytes in. kBackground: map upkeep on one
+  /// worker, segmentation and dense mapping on another, so that step() is done within a frame's time.
+  using Mode = SparseSlam::Mode;
+
+  /// Opens the network, if one is configured. @throws ConfigError, ModelError
+  SlamSystem(const SystemConfig& config, Mode mode);
+  ~SlamSystem();
+  SlamSystem(const SlamSystem&) = delete;
+  SlamSystem& operator=(const SlamSystem&) = delete;
+
+  /// @param frame  stamps must grow; a frame whose stamp does not is passed over with a warning
+  StepResult step(const RgbdFrame& frame);
+
+  /// Waits for the workers and brings the dense map to the keyframes' last poses. Call before reading results.
+  void finish();
+
+  const SparseSlam& slam() const { return slam_; }
+  /// The dense map; call finish() first.
+  const DenseMapper& dense() const { return dense_; }
+  const LabelSet& labels() const { return segmentation_.labels(); }
+  const StageTimes& times() const { return times_; }
+  /// Keyframes that the workers had not taken yet when newer ones came (kBackground).
+  QueueCounters keyframeQueue() const { return keyframe_jobs_.counters(); }
+
+ private:
+  /// A keyframe on its way into the dense map.
+  struct KeyframeJob {
+    KeyframeId id;
+    RgbdFrame frame;
+    cv::Mat1b dynamic, moving;
+    cv::Mat1b labels;  ///< empty: not segmented yet
+  };
+  struct LateLabels {
+    Stamp stamp;
+    cv::Mat1b labels;
+  };
+
+  void takeLateLabels(Stamp now);
+  /// People and moving objects of the labels, 255; empty without labels.
+  cv::Mat1b removalMask(const cv::Mat1b& labels, const cv::Mat1b& moving) const;
+  void passOn(const SparseStep& step, KeyframeJob job);
+  void submit(KeyframeJob job);
+  void mapKeyframe(KeyframeJob job);
+  void work();
+
+  const SystemConfig config_;
+  const Mode mode_;
+  StageTimes times_;
+  MotionDetector motion_;
+  SegmentationStage segmentation_;  // used by step() until initialised, then by the worker
+  SparseSlam slam_;
+  DenseMapper dense_;                     // used by the worker
+  std::optional<Stamp> last_stamp_;
+  std::optional<KeyframeJob> candidate_;  ///< k1, until initialisation has made it the first keyframe
+
+  std::mutex late_mutex_;
+  std::deque<LateLabels> late_labels_;  // guarded by late_mutex_
+  std::atomic<int> pending_{0};
+  BoundedQueue<KeyframeJob> keyframe_jobs_;
+  std::thread worker_;  ///< last member: starts when all else is there, joined first
+};
+
+}  // namespace semantic_vslam

@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/pipeline/slam_system.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/log.h"
+#include "semantic_vslam/core/segmentation/dynamic_objects.h"
+
+namespace semantic_vslam {
+namespace {
+
+// Keyframes wait here for segmentation and dense mapping; about two seconds of them at a lively pace.
+constexpr std::size_t kKeyframeJobs = 16;
+
+cv::Mat1b unite(const cv::Mat1b& dynamic, const cv::Mat1b& removal) {
+  return removal.empty() ? dynamic : cv::Mat1b(cv::max(dynamic, removal));
+}
+
+}  // namespace
+
+SlamSystem::SlamSystem(const SystemConfig& config, Mode mode)
+    : config_(config),
+      mode_(mode),
+      motion_(config.motion),
+      segmentation_(config.segmentation),
+      slam_(config.slam, mode),
+      dense_(config.dense, segmentation_.labels()),
+      keyframe_jobs_(kKeyframeJobs, QueuePolicy::kBlock) {
+  validateConfig(config_);
+  if (mode_ == Mode::kBackground) worker_ = std::thread([this] { work(); });
+}
+
+SlamSystem::~SlamSystem() {
+  keyframe_jobs_.close();
+  if (worker_.joinable()) worker_.join();
+}
+
+StepResult SlamSystem::step(const RgbdFrame& frame) {
+  StepResult result;
+  if (last_stamp_ && frame.stamp <= *last_stamp_) {
+    logWarning("frame " + std::to_string(frame.index) + " is not newer than the one before it: passed over");
+    return result;
+  }
+  last_stamp_ = frame.stamp;
+
+  // Motion: what the camera's own motion does not explain, and the people of labels that have arrived by now.
+  takeLateLabels(frame.stamp);
+  {
+    auto timer = times_.scope("motion", frame.index);
+    result.motion = motion_.detect(frame);
+  }
+
+  // Segmentation before tracking only while there is no map: k1 must hold no people.
+  KeyframeJob job{KeyframeId(), frame, result.motion.dynamic, result.motion.moving, cv::Mat1b()};
+  if (slam_.keyframeCount() == 0 && segmentation_.enabled()) {
+    auto timer = times_.scope("segmentation", frame.index);
+    job.labels = segmentation_.process(frame);
+  }
+  job.dynamic = result.dynamic = unite(result.motion.dynamic, removalMask(job.labels, job.moving));
+
+  // Pose, and whether the frame becomes a keyframe.
+  const SparseStep step = slam_.step(frame, result.dynamic, times_);
+  result.tracking = step.tracking;
+  result.posed = step.tracking.state == TrackingState::kOk;
+  result.T_world_camera = step.tracking.T_camera_world.inverse();
+  result.keyframe = step.keyframe;
+
+  passOn(step, std::move(job));
+  return result;
+}
+
+void SlamSystem::takeLateLabels(Stamp now) {
+  std::lock_guard<std::mutex> lock(late_mutex_);
+  while (!late_labels_.empty() && secondsBetween(late_labels_.front().stamp, now) >= config_.label_delay_s) {
+    motion_.addLabels(late_labels_.front().stamp, late_labels_.front().labels, segmentation_.labels());
+    late_labels_.pop_front();
+  }
+}
+
+cv::Mat1b SlamSystem::removalMask(const cv::Mat1b& labels, const cv::Mat1b& moving) const {
+  cv::Mat1b removal;
+  if (!labels.empty()) {
+    decideDynamic(labels, segmentation_.labels(), moving, config_.segmentation.phi, &removal);
+  }
+  return removal;
+}
+
+void SlamSystem::passOn(const SparseStep& step, KeyframeJob job) {
+  if (step.first_keyframe && candidate_) {
+    candidate_->id = *step.first_keyframe;
+    submit(std::move(*candidate_));
+    candidate_.reset();
+  }
+  if (step.tracking.state == TrackingState::kInitialising) {
+    candidate_ = std::move(job);
+  } else if (step.keyframe) {
+    job.id = *step.keyframe;
+    submit(std::move(job));
+  }
+}
+
+void SlamSystem::submit(KeyframeJob job) {
+  if (mode_ == Mode::kSynchronous) {
+    mapKeyframe(std::move(job));
+  } else {
+    ++pending_;
+    keyframe_jobs_.push(std::move(job));
+  }
+}
+
+void SlamSystem::mapKeyframe(KeyframeJob job) {
+  if (job.labels.empty() && segmentation_.enabled()) {
+    auto timer = times_.scope("segmentation", job.frame.index);
+    job.labels = segmentation_.process(job.frame);
+  }
+  if (!job.labels.empty()) {
+    job.dynamic = unite(job.dynamic, removalMask(job.labels, job.moving));
+    std::lock_guard<std::mutex> lock(late_mutex_);
+    late_labels_.push_back({job.frame.stamp, job.labels});
+  }
+  if (!config_.dense.enabled) return;
+  auto timer = times_.scope("dense_mapping", job.frame.index);
+  const auto poses = slam_.keyframePoses();
+  const auto own = std::find_if(poses.begin(), poses.end(), [&](const auto& pose) { return pose.keyframe == job.id; });
+  if (own != poses.end()) dense_.add(job.id, job.frame, job.labels, job.dynamic, own->T_world_camera);
+  dense_.updatePoses(poses);
+}
+
+void SlamSystem::work() {
+  while (auto job = keyframe_jobs_.pop()) {
+    mapKeyframe(std::move(*job));
+    --pending_;
+  }
+}
+
+void SlamSystem::finish() {
+  slam_.finish();
+  if (worker_.joinable()) {
+    keyframe_jobs_.close();
+    worker_.join();
+  }
+  if (!config_.dense.enabled) return;
+  dense_.updatePoses(slam_.keyframePoses());
+  dense_.finish();
+}
+
+}  // namespace semantic_vslam

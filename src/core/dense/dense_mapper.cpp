@@ -33,6 +33,21 @@ cv::Vec3f transform(const SE3& T, const cv::Vec3f& p) {
   return {q.x(), q.y(), q.z()};
 }
 
+/// Moves a pose as the nearest of the keyframes that both maps hold was moved from one to the other.
+SE3 carried(const SE3& T_world_camera, const std::map<KeyframeId, SE3>& from, const std::map<KeyframeId, SE3>& to) {
+  SE3 T_to_from = SE3::Identity();
+  double nearest_m = std::numeric_limits<double>::max();
+  for (const auto& [id, T_to_other] : to) {
+    const auto other = from.find(id);
+    if (other == from.end()) continue;
+    const double distance_m = (other->second.translation() - T_world_camera.translation()).norm();
+    if (distance_m >= nearest_m) continue;
+    nearest_m = distance_m;
+    T_to_from = T_to_other * other->second.inverse();
+  }
+  return T_to_from * T_world_camera;
+}
+
 }  // namespace
 
 DenseMapper::DenseMapper(const DenseConfig& config, const LabelSet& labels)
@@ -51,46 +66,37 @@ bool DenseMapper::add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& la
   kept_bytes_ += bytesOf(kept.cloud, kept.view);
   keyframes_.emplace(id, std::move(kept));
   thinToBudget();
-  if (busy()) {
-    work();
-  } else {
-    integrate(id, served_);
-  }
+  // What is served stays of one piece during a rebuild: the keyframe goes where it lies among the old poses.
+  integrate(id, busy() ? carried(T_world_camera, latestPoses(), served_.T_world_camera) : T_world_camera, served_);
+  work();
   return true;
 }
 
-void DenseMapper::integrate(KeyframeId id, Version& version) const {
+void DenseMapper::integrate(KeyframeId id, const SE3& T_world_camera, Version& version) const {
   const Kept& kept = keyframes_.at(id);
-  version.voxels.integrate(kept.cloud.points, kept.view, kept.T_world_camera);
-  version.T_world_camera[id] = kept.T_world_camera;
+  version.voxels.integrate(kept.cloud.points, kept.view, T_world_camera);
+  version.T_world_camera[id] = T_world_camera;
+}
+
+std::map<KeyframeId, SE3> DenseMapper::latestPoses() const {
+  std::map<KeyframeId, SE3> poses;
+  for (const auto& [id, kept] : keyframes_) poses[id] = kept.T_world_camera;
+  return poses;
 }
 
 void DenseMapper::updatePoses(const std::vector<KeyframePose>& poses) {
-  std::map<KeyframeId, SE3> T_world_camera_new;
+  std::map<KeyframeId, SE3> optimised;
   for (const KeyframePose& pose : poses) {
     if (keyframes_.count(pose.keyframe) > 0 && pose.T_world_camera.matrix().allFinite()) {
-      T_world_camera_new[pose.keyframe] = pose.T_world_camera;
+      optimised[pose.keyframe] = pose.T_world_camera;
     }
   }
-  if (T_world_camera_new.empty()) return;
-  std::map<KeyframeId, SE3> T_world_camera_culled;
-  for (const auto& [id, kept] : keyframes_) {
-    if (T_world_camera_new.count(id) > 0) continue;
-    KeyframeId nearest;
-    double nearest_m = std::numeric_limits<double>::max();
-    for (const auto& [other, pose] : T_world_camera_new) {
-      const SE3& T_world_other = keyframes_.at(other).T_world_camera;
-      const double distance_m = (T_world_other.translation() - kept.T_world_camera.translation()).norm();
-      if (distance_m < nearest_m) {
-        nearest_m = distance_m;
-        nearest = other;
-      }
-    }
-    const SE3 T_new_old = T_world_camera_new.at(nearest) * keyframes_.at(nearest).T_world_camera.inverse();
-    T_world_camera_culled[id] = T_new_old * kept.T_world_camera;
+  if (optimised.empty()) return;
+  const std::map<KeyframeId, SE3> before = latestPoses();
+  for (auto& [id, kept] : keyframes_) {
+    const auto found = optimised.find(id);
+    kept.T_world_camera = found != optimised.end() ? found->second : carried(kept.T_world_camera, before, optimised);
   }
-  T_world_camera_new.merge(T_world_camera_culled);
-  for (const auto& [id, pose] : T_world_camera_new) keyframes_.at(id).T_world_camera = pose;
   if (!busy() && stale()) next_.emplace(Version{VoxelMap(config_.voxels), {}});
   work();
 }
@@ -111,7 +117,7 @@ void DenseMapper::work() {
   for (const auto& [id, kept] : keyframes_) {
     if (next_->T_world_camera.count(id) > 0) continue;
     if (budget-- == 0) return;
-    integrate(id, *next_);
+    integrate(id, kept.T_world_camera, *next_);
   }
   served_ = std::move(*next_);
   next_.reset();

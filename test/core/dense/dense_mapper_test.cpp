@@ -118,14 +118,16 @@ TEST(DenseMapper, ARotatedPoseTurnsThePoints) {
   for (const auto& point : mapper.cloud()) EXPECT_NEAR(point.xyz_m[0], 2.02, 1e-5);  // z became x
 }
 
-TEST(DenseMapper, KeyframesAddedDuringARebuildComeWithTheNewMap) {
+TEST(DenseMapper, AKeyframeAddedDuringARebuildIsSeenAtOnceAmongTheOldPoses) {
   DenseMapper mapper(smallConfig(), threeLabels());
   for (std::uint64_t id = 0; id < 3; ++id) addWall(mapper, id, translated(0.1 * id, 0, 0));
   std::vector<KeyframePose> poses;
   for (std::uint64_t id = 0; id < 3; ++id) poses.push_back({KeyframeId(id), Stamp{}, translated(0.1 * id, 0, 1)});
-  mapper.updatePoses(poses);  // adds one of three
+  mapper.updatePoses(poses);  // adds one of three again
   ASSERT_TRUE(mapper.busy());
   addWall(mapper, 3, translated(0.0, 0.0, 2.0));
+  ASSERT_TRUE(mapper.busy());
+  EXPECT_EQ(mapper.voxelMap().stateAt({0, 0, 3.02}), Occupancy::kOccupied);  // 1 m behind its neighbours, as it should
   EXPECT_EQ(mapper.voxelMap().stateAt({0, 0, 4.02}), Occupancy::kUnknown);
   mapper.finish();
   EXPECT_EQ(mapper.voxelMap().stateAt({0, 0, 4.02}), Occupancy::kOccupied);

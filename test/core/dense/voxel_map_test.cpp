@@ -48,7 +48,7 @@ TEST(VoxelMap, KnowsSurfaceFreeSpaceAndWhatLiesBehind) {
 
 TEST(VoxelMap, SumsLogOddsOfKeyframesAndClampsThem) {
   VoxelMap map(coarse());
-  const double hit = std::log(0.7 / 0.3), miss = std::log(0.4 / 0.6);
+  const double hit = std::log(0.7 / 0.3), miss = std::log(0.35 / 0.65);
   const Eigen::Vector3d on_wall(0.0, 0.0, 2.05), in_air(0.0, 0.0, 1.0);
   look(map, wallFrame(2.05F));
   EXPECT_NEAR(map.voxelAt(on_wall).log_odds, hit, 1e-3);

@@ -56,7 +56,8 @@ class DenseMapper {
   /// @throws ConfigError
   DenseMapper(const DenseConfig& config, const LabelSet& labels);
 
-  /// Adds a keyframe; during a rebuild it appears when the new map does. Also does one slice of a rebuild.
+  /// Adds a keyframe; during a rebuild it is seen at once, where it lies among the old poses. Also does one slice of a
+  /// rebuild.
   /// @param labels   indices into the label set, of the frame's size, or empty
   /// @param dynamic  MotionResult::dynamic, of the frame's size, or empty
   /// @return false, with nothing changed, if the images differ in size, the pose is not finite or the id is known.
@@ -67,7 +68,7 @@ class DenseMapper {
   /// with the nearest that is left. Starts a rebuild if any pose moved far enough, and does one slice of it.
   void updatePoses(const std::vector<KeyframePose>& poses);
 
-  /// A rebuild is under way, or will be: what is served has old poses or misses keyframes.
+  /// A rebuild is under way: what is served has old poses.
   bool busy() const { return next_.has_value(); }
   /// Does one slice of a rebuild; nothing when not busy.
   void work();
@@ -108,7 +109,8 @@ class DenseMapper {
     std::map<KeyframeId, SE3> T_world_camera;
   };
 
-  void integrate(KeyframeId id, Version& version) const;
+  void integrate(KeyframeId id, const SE3& T_world_camera, Version& version) const;
+  std::map<KeyframeId, SE3> latestPoses() const;
   bool stale() const;
   void thinToBudget();
 

@@ -7,13 +7,13 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <utility>
 
 #include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
 namespace {
 
-// The extension stays last: cv::imwrite and others choose the format by it.
 std::string temporaryName(const std::string& path) {
   const std::size_t slash = path.rfind('/');
   const std::size_t name = slash == std::string::npos ? 0 : slash + 1;
@@ -36,15 +36,21 @@ void writeText(const std::string& temporary, const std::string& path, const std:
 
 }  // namespace
 
+AtomicFile::AtomicFile(std::string path) : path_(std::move(path)), temporary_(temporaryName(path_)) {}
+
+AtomicFile::~AtomicFile() {
+  if (!committed_) std::remove(temporary_.c_str());
+}
+
+void AtomicFile::commit() {
+  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) throwCannotWrite(path_, errno);
+  committed_ = true;
+}
+
 void writeFileAtomically(const std::string& path, const std::function<void(const std::string&)>& write) {
-  const std::string temporary = temporaryName(path);
-  try {
-    write(temporary);
-    if (std::rename(temporary.c_str(), path.c_str()) != 0) throwCannotWrite(path, errno);
-  } catch (...) {
-    std::remove(temporary.c_str());
-    throw;
-  }
+  AtomicFile file(path);
+  write(file.temporary());
+  file.commit();
 }
 
 void writeTextAtomically(const std::string& path, const std::string& content) {

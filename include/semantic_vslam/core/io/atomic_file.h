@@ -7,13 +7,31 @@
 
 namespace semantic_vslam {
 
-/// Writes a file so that a reader sees the old content or the whole new one, never a part: the content goes to a
-/// temporary file in the same folder, which then takes the name.
-/// @param write  writes all of it to the path it is given; what it throws is passed on after the temporary is removed
-/// @throws FileError naming path if the temporary cannot be renamed.
+/// A file that readers see with its old content or with the whole new one, never a part: the new content goes to a
+/// temporary file in the same folder, which takes the name on commit(). Without a commit the temporary is removed.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::string path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  const std::string& path() const { return path_; }
+  /// Where to write; ends like path, since many writers choose the format by the extension.
+  const std::string& temporary() const { return temporary_; }
+  /// @throws FileError naming path if the temporary cannot take the name.
+  void commit();
+
+ private:
+  std::string path_, temporary_;
+  bool committed_ = false;
+};
+
+/// @param write  writes all of the file to the path it is given; what it throws is passed on, and the old file stays
+/// @throws FileError as AtomicFile::commit()
 void writeFileAtomically(const std::string& path, const std::function<void(const std::string& temporary_path)>& write);
 
-/// The same for content at hand. @throws FileError naming path and cause (no such folder, disk full, ...).
+/// Writes content as the whole of a file. @throws FileError naming path and cause (no such folder, disk full, ...).
 void writeTextAtomically(const std::string& path, const std::string& content);
 
 }  // namespace semantic_vslam

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <rosbag/view.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <algorithm>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "semantic_vslam/ros/bag_source.h"
+#include "semantic_vslam/ros/conversions.h"
+
+namespace semantic_vslam {
+namespace {
+
+/// How a frame moves in its parent.
+struct Edge {
+  std::string parent;
+  std::vector<TimedPose> T_parent_child;  // in order of time once sorted
+};
+
+using Edges = std::unordered_map<std::string, Edge>;  // by child
+
+std::string withoutSlash(const std::string& frame) {
+  return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame;
+}
+
+/// @note tf2_msgs/TFMessage has the fields and the MD5 sum of the old tf/tfMessage, so this reads both.
+Edges readEdges(const rosbag::Bag& bag) {
+  Edges edges;
+  rosbag::View view(bag, rosbag::TopicQuery(std::vector<std::string>{"/tf", "/tf_static"}));
+  for (const rosbag::MessageInstance& instance : view) {
+    const auto message = instance.instantiate<tf2_msgs::TFMessage>();
+    if (!message) continue;
+    for (const auto& transform : message->transforms) {
+      const std::string parent = withoutSlash(transform.header.frame_id);
+      Edge& edge = edges[withoutSlash(transform.child_frame_id)];
+      if (edge.parent.empty()) edge.parent = parent;
+      if (edge.parent != parent) continue;  // a second parent is no tree; the first one counts
+      edge.T_parent_child.push_back({fromRos(transform.header.stamp), fromRos(transform.transform)});
+    }
+  }
+  for (auto& [child, edge] : edges) {
+    std::stable_sort(edge.T_parent_child.begin(), edge.T_parent_child.end(),
+                     [](const TimedPose& a, const TimedPose& b) { return a.stamp < b.stamp; });
+  }
+  return edges;
+}
+
+/// @return edges from the leaf up to the root; empty if they are not connected.
+std::vector<const Edge*> chainOf(const Edges& edges, const std::string& root, const std::string& leaf) {
+  std::vector<const Edge*> chain;
+  for (std::string frame = leaf; frame != root; frame = chain.back()->parent) {
+    const auto found = edges.find(frame);
+    if (found == edges.end() || chain.size() > edges.size()) return {};  // no parent, or a cycle
+    chain.push_back(&found->second);
+  }
+  return chain;
+}
+
+const SE3& closest(const Edge& edge, Stamp stamp) {
+  const auto& poses = edge.T_parent_child;
+  const auto after = std::lower_bound(poses.begin(), poses.end(), stamp,
+                                      [](const TimedPose& pose, Stamp value) { return pose.stamp < value; });
+  if (after == poses.begin()) return after->T_world_camera;
+  const auto before = std::prev(after);
+  const bool later_is_closer = after != poses.end() && after->stamp.ns - stamp.ns < stamp.ns - before->stamp.ns;
+  return later_is_closer ? after->T_world_camera : before->T_world_camera;
+}
+
+}  // namespace
+
+std::vector<TimedPose> readTfChain(const rosbag::Bag& bag, const std::string& root, const std::string& leaf) {
+  const Edges edges = readEdges(bag);
+  const std::vector<const Edge*> chain = chainOf(edges, withoutSlash(root), withoutSlash(leaf));
+  if (chain.empty()) return {};
+  const Edge* most_frequent = *std::max_element(chain.begin(), chain.end(), [](const Edge* a, const Edge* b) {
+    return a->T_parent_child.size() < b->T_parent_child.size();
+  });
+  std::vector<TimedPose> poses;
+  for (const TimedPose& sample : most_frequent->T_parent_child) {
+    if (!poses.empty() && poses.back().stamp == sample.stamp) continue;
+    SE3 T_root_leaf = SE3::Identity();
+    for (const Edge* edge : chain) T_root_leaf = closest(*edge, sample.stamp) * T_root_leaf;
+    poses.push_back({sample.stamp, T_root_leaf});
+  }
+  return poses;
+}
+
+}  // namespace semantic_vslam

@@ -67,6 +67,15 @@ void PlotCanvas::text(const std::string& text, cv::Point2d at_px, double height_
   cv::putText(image_, text, cv::Point(at_px * kSupersample), kFont, scale, bgr, bold ? 3 : 2, cv::LINE_AA);
 }
 
+void PlotCanvas::image(const cv::Mat3b& bgr, cv::Rect area_px) {
+  const cv::Rect area(area_px.tl() * kSupersample, area_px.size() * kSupersample);
+  cv::resize(bgr, image_(area), area.size(), 0, 0, cv::INTER_LINEAR);
+}
+
+void PlotCanvas::fill(cv::Rect2d area_px, const cv::Vec3b& bgr) {
+  image_(cv::Rect(area_px.tl() * kSupersample, area_px.br() * kSupersample)).setTo(bgr);
+}
+
 double PlotCanvas::textWidth(const std::string& text, double height_px) {
   int baseline = 0;
   return cv::getTextSize(text, kFont, height_px * kSupersample / kFontHeightPx, 2, &baseline).width /

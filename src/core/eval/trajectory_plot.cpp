@@ -63,6 +63,8 @@ void drawPaths(PlotCanvas& canvas, cv::Rect area_px, const std::vector<TimedPose
   panel.legend("error", kErrorColor);
 }
 
+}  // namespace
+
 void drawErrorOverTime(PlotCanvas& canvas, cv::Rect area_px, const AbsoluteTrajectoryError& error) {
   const Stamp begin = error.matches.front().stamp, end = error.matches.back().stamp;
   const double to_cm = 100.0;
@@ -83,8 +85,6 @@ void drawErrorOverTime(PlotCanvas& canvas, cv::Rect area_px, const AbsoluteTraje
   panel.legend("error", kErrorColor);
   panel.legend(text, kTruthColor);
 }
-
-}  // namespace
 
 cv::Mat3b drawTrajectoryComparison(const std::vector<TimedPose>& truth, const AbsoluteTrajectoryError& error,
                                    const std::string& title) {

@@ -15,6 +15,9 @@ class PlotCanvas {
 
   /// Draws text. @param at_px  left end of its base line, in pixels of the final picture
   void text(const std::string& text, cv::Point2d at_px, double height_px, const cv::Scalar& bgr, bool bold = false);
+  /// Draws an image scaled into an area of the final picture.
+  void image(const cv::Mat3b& bgr, cv::Rect area_px);
+  void fill(cv::Rect2d area_px, const cv::Vec3b& bgr);
   /// @return width in pixels of the final picture.
   static double textWidth(const std::string& text, double height_px);
   /// @return the picture in its final size.
@@ -49,6 +52,8 @@ class PlotPanel {
   void disc(cv::Point2d center, double radius_px, const cv::Scalar& bgr);
   /// Small square without smoothing, for clouds of many points.
   void dot(cv::Point2d at, double size_px, const cv::Vec3b& bgr);
+  /// @return pixels of the final picture that one unit of x takes.
+  double pixelsPerUnitX() const { return box_px_.width / (x_.high - x_.low); }
   /// Adds a line to the legend in the upper right corner.
   void legend(const std::string& name, const cv::Scalar& bgr);
 

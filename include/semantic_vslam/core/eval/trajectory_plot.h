@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "semantic_vslam/core/eval/plot_panel.h"
 #include "semantic_vslam/core/eval/trajectory_error.h"
 
 namespace semantic_vslam {
@@ -16,5 +17,8 @@ namespace semantic_vslam {
 /// @return 1500 x 1060 pixels
 cv::Mat3b drawTrajectoryComparison(const std::vector<TimedPose>& truth, const AbsoluteTrajectoryError& error,
                                    const std::string& title);
+
+/// Draws the position error over time into an area of a canvas. @param error  at least one match
+void drawErrorOverTime(PlotCanvas& canvas, cv::Rect area_px, const AbsoluteTrajectoryError& error);
 
 }  // namespace semantic_vslam

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <deque>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -21,10 +22,10 @@ namespace semantic_vslam {
 
 /// What the whole way made of one frame.
 struct StepResult {
-  bool posed = false;                       ///< the map gave this frame a pose
-  SE3 T_world_camera = SE3::Identity();     ///< valid if posed; a prediction while RECENTLY_LOST
+  bool posed = false;                    ///< the map gave this frame a pose
+  SE3 T_world_camera = SE3::Identity();  ///< valid if posed; a prediction while RECENTLY_LOST
   TrackingResult tracking;
-  std::optional<KeyframeId> keyframe;       ///< set if the frame became a keyframe
+  std::optional<KeyframeId> keyframe;  ///< set if the frame became a keyframe
   MotionResult motion;
   cv::Mat1b dynamic;  ///< what tracking was told: motion, and people of the first frames' labels; 0..255
 };
@@ -39,6 +40,8 @@ class SlamSystem {
 
   /// Opens the network, if one is configured. @throws ConfigError, ModelError
   SlamSystem(const SystemConfig& config, Mode mode);
+  /// @param segmenter  used in place of the configured network
+  SlamSystem(const SystemConfig& config, Mode mode, std::unique_ptr<Segmenter> segmenter);
   ~SlamSystem();
   SlamSystem(const SlamSystem&) = delete;
   SlamSystem& operator=(const SlamSystem&) = delete;
@@ -46,7 +49,8 @@ class SlamSystem {
   /// @param frame  stamps must grow; a frame whose stamp does not is passed over with a warning
   StepResult step(const RgbdFrame& frame);
 
-  /// Waits for the workers and brings the dense map to the keyframes' last poses. Call before reading results.
+  /// Waits for the workers and brings the dense map to the keyframes' last poses. Call before reading results; no
+  /// step() after it.
   void finish();
 
   const SparseSlam& slam() const { return slam_; }
@@ -70,6 +74,8 @@ class SlamSystem {
     cv::Mat1b labels;
   };
 
+  SlamSystem(const SystemConfig& config, Mode mode, SegmentationStage segmentation);
+
   void takeLateLabels(Stamp now);
   /// People and moving objects of the labels, 255; empty without labels.
   cv::Mat1b removalMask(const cv::Mat1b& labels, const cv::Mat1b& moving) const;
@@ -84,7 +90,7 @@ class SlamSystem {
   MotionDetector motion_;
   SegmentationStage segmentation_;  // used by step() until initialised, then by the worker
   SparseSlam slam_;
-  DenseMapper dense_;                     // used by the worker
+  DenseMapper dense_;  // used by the worker
   std::optional<Stamp> last_stamp_;
   std::optional<KeyframeJob> candidate_;  ///< k1, until initialisation has made it the first keyframe
 

@@ -202,7 +202,7 @@ Sample runFrames(FrameSource& source, SlamSystem& system, const Options& options
   Pacer pacer;
   Sample sample;
   source.skip(options.start);
-  for (std::size_t taken = 0; taken < wanted && stop_requested == 0; ++taken) {
+  for (std::size_t taken = 0; taken < wanted; ++taken) {
     const std::optional<RgbdFrame> frame = source.next();
     if (!frame) break;
     if (options.realtime && !pacer.wait(frame->stamp)) {
@@ -213,6 +213,7 @@ Sample runFrames(FrameSource& source, SlamSystem& system, const Options& options
     record(*frame, step, source, report, sample);
     if (options.masks) writeMask(options.out + "/masks", frame->stamp, step.dynamic, frame->bgr.size());
     progress.show(taken + 1, stateName(step.tracking.state), system.slam().keyframeCount());
+    if (stop_requested != 0) break;
   }
   progress.end();
   report.interrupted = stop_requested != 0;
@@ -300,10 +301,15 @@ Options readOptions(const Arguments& arguments, const FrameSource& source) {
   options.masks = arguments.has("--masks");
   options.start = arguments.count("--start", 0);
   options.frames = arguments.count("--frames", source.size());
+  if (options.start >= source.size()) {
+    throw UsageError("--start " + std::to_string(options.start) + " is past the recording's " +
+                     std::to_string(source.size()) + " frames");
+  }
   return options;
 }
 
 int run(const Arguments& arguments, const SystemConfig& config) {
+  std::signal(SIGINT, requestStop);
   const std::unique_ptr<FrameSource> source = openRecording(arguments, arguments.positional()[0]);
   const Options options = readOptions(arguments, *source);
   std::error_code failed;
@@ -313,7 +319,6 @@ int run(const Arguments& arguments, const SystemConfig& config) {
   SlamSystem system(config, options.realtime ? SlamSystem::Mode::kBackground : SlamSystem::Mode::kSynchronous);
   RunReport report;
   report.sequence = options.recording;
-  std::signal(SIGINT, requestStop);
   const auto begin = Clock::now();
   const Sample sample = runFrames(*source, system, options, report);
   system.finish();

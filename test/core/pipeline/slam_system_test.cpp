@@ -26,25 +26,19 @@ CameraIntrinsics quarterVga() {
   return k;
 }
 
-/// Frames of the walking scenario, rendered once for all tests.
+/// Two seconds of the walking scenario in which one or two people pass, rendered once for all tests.
 const std::vector<SyntheticFrame>& walkingFrames() {
   static const std::vector<SyntheticFrame> frames = [] {
-    constexpr int kFrames = 60;
+    constexpr int kFirst = 140, kFrames = 60;
     const SyntheticRoom room(makeScenario("walking", 1), quarterVga());
     std::vector<SyntheticFrame> rendered;
     for (int i = 0; i < kFrames; ++i) {
-      rendered.push_back(room.render(room.frameTime(i)));
+      rendered.push_back(room.render(room.frameTime(kFirst + i)));
       rendered.back().frame.index = static_cast<std::uint64_t>(i);
     }
     return rendered;
   }();
   return frames;
-}
-
-SystemConfig smallConfig() {
-  SystemConfig config;
-  config.slam.tracking.orb.features = 600;
-  return config;
 }
 
 struct Outcome {
@@ -74,17 +68,17 @@ double trajectoryError(const Outcome& result) {
 }
 
 TEST(SlamSystem, FollowsTheCameraThroughPeople) {
-  const Outcome result = run(smallConfig(), SlamSystem::Mode::kSynchronous);
+  const Outcome result = run(SystemConfig(), SlamSystem::Mode::kSynchronous);
   EXPECT_GE(result.posed, 58) << "all but the frame or two of the initialisation";
   EXPECT_EQ(result.trajectory.size(), static_cast<std::size_t>(result.posed) + 1) << "k1 gets its pose afterwards";
-  EXPECT_LT(trajectoryError(result), 0.02);
+  EXPECT_LT(trajectoryError(result), 0.025);
   EXPECT_GT(result.keyframes, 1U);
   EXPECT_GT(result.cloud.size(), 10000U);
 }
 
 TEST(SlamSystem, TheSameInputGivesTheSameBytes) {
-  const Outcome a = run(smallConfig(), SlamSystem::Mode::kSynchronous),
-                b = run(smallConfig(), SlamSystem::Mode::kSynchronous);
+  const Outcome a = run(SystemConfig(), SlamSystem::Mode::kSynchronous),
+                b = run(SystemConfig(), SlamSystem::Mode::kSynchronous);
   ASSERT_EQ(a.trajectory.size(), b.trajectory.size());
   for (std::size_t i = 0; i < a.trajectory.size(); ++i) {
     EXPECT_EQ(a.trajectory[i].T_world_camera.matrix(), b.trajectory[i].T_world_camera.matrix()) << i;
@@ -97,9 +91,9 @@ TEST(SlamSystem, TheSameInputGivesTheSameBytes) {
 }
 
 TEST(SlamSystem, WorkersInTheBackgroundKeepUpAndFinish) {
-  const Outcome result = run(smallConfig(), SlamSystem::Mode::kBackground);
+  const Outcome result = run(SystemConfig(), SlamSystem::Mode::kBackground);
   EXPECT_GE(result.posed, 58);
-  EXPECT_LT(trajectoryError(result), 0.02);
+  EXPECT_LT(trajectoryError(result), 0.025);
   EXPECT_GT(result.cloud.size(), 10000U);
 }
 
@@ -144,7 +138,7 @@ TEST(SlamSystem, NoPersonEntersTheMap) {
   for (const SyntheticFrame& synthetic : walkingFrames()) people_px += cv::countNonZero(synthetic.person_mask);
   ASSERT_GT(people_px / static_cast<double>(walkingFrames().size()), 0.05 * 320 * 240)
       << "there are people to leave out";
-  SlamSystem system(smallConfig(), SlamSystem::Mode::kSynchronous, std::make_unique<TrueLabels>());
+  SlamSystem system(SystemConfig(), SlamSystem::Mode::kSynchronous, std::make_unique<TrueLabels>());
   for (const SyntheticFrame& synthetic : walkingFrames()) system.step(synthetic.frame);
   system.finish();
   const auto cloud = system.dense().cloud();
@@ -161,7 +155,7 @@ TEST(SlamSystem, NoPersonEntersTheMap) {
 }
 
 TEST(SlamSystem, AFrameThatIsNotNewerIsPassedOver) {
-  SlamSystem system(smallConfig(), SlamSystem::Mode::kSynchronous);
+  SlamSystem system(SystemConfig(), SlamSystem::Mode::kSynchronous);
   const auto& frames = walkingFrames();
   system.step(frames[0].frame);
   EXPECT_TRUE(system.step(frames[1].frame).posed);
@@ -171,7 +165,7 @@ TEST(SlamSystem, AFrameThatIsNotNewerIsPassedOver) {
 }
 
 TEST(SlamSystem, DarknessLosesNothingThatIsMapped) {
-  SlamSystem system(smallConfig(), SlamSystem::Mode::kSynchronous);
+  SlamSystem system(SystemConfig(), SlamSystem::Mode::kSynchronous);
   const auto& frames = walkingFrames();
   for (int i = 0; i < 20; ++i) system.step(frames[i].frame);
   const std::size_t keyframes = system.slam().keyframeCount(), landmarks = system.slam().landmarkCount();
@@ -201,7 +195,7 @@ TEST(SystemConfig, KeysAreUniqueAndTheDefaultsValid) {
 }
 
 TEST(SlamSystem, RefusesAConfigOutOfRangeByName) {
-  SystemConfig config = smallConfig();
+  SystemConfig config;
   config.slam.tracking.frame.search_radius_px = -1.0;
   try {
     SlamSystem system(config, SlamSystem::Mode::kSynchronous);

@@ -53,6 +53,16 @@ class SyntheticWorld {
     }
   }
 
+  /// Adds every point so far once more, moved and with the same descriptor: a room that looks just the same.
+  void addCopy(const Eigen::Vector3d& offset) {
+    const std::size_t count = points_.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      Point copy = points_[i];
+      copy.position += offset;
+      points_.push_back(copy);
+    }
+  }
+
   /// What a camera sees. @param max_range_m no feature past it  @param max_features the first ones that are in view
   View observe(const SE3& T_camera_world, const Noise& noise, double max_range_m = 8.0, int max_features = 1000) {
     View view;

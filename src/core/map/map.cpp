@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 namespace semantic_vslam {
 namespace {
@@ -175,6 +177,28 @@ void Map::clear() {
   landmarks_.clear();
   shared_.clear();
   ++version_;
+}
+
+void Map::restore(std::map<KeyframeId, Keyframe> keyframes, std::unordered_map<LandmarkId, Landmark> landmarks,
+                  std::uint64_t next_keyframe, std::uint64_t next_landmark) {
+  clear();
+  keyframes_ = std::move(keyframes);
+  landmarks_ = std::move(landmarks);
+  next_keyframe_ = next_keyframe;
+  next_landmark_ = next_landmark;
+  for (auto& [id, keyframe] : keyframes_) {
+    static_cast<void>(id);
+    keyframe.landmarks.assign(keyframe.features->size(), LandmarkId());
+  }
+  for (const auto& [landmark_id, landmark] : landmarks_) {
+    for (auto first = landmark.observations.begin(); first != landmark.observations.end(); ++first) {
+      keyframes_.at(first->first).landmarks[first->second] = landmark_id;
+      for (auto second = std::next(first); second != landmark.observations.end(); ++second) {
+        ++shared_[first->first][second->first];
+        ++shared_[second->first][first->first];
+      }
+    }
+  }
 }
 
 std::vector<std::pair<KeyframeId, int>> Map::covisible(KeyframeId id, int minimum_shared) const {

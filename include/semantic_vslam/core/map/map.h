@@ -97,6 +97,16 @@ class Map {
   void refreshGeometry(LandmarkId id);
   void bumpVersion() { ++version_; }
 
+  // -- storing
+  /// Ids that the next keyframe and the next landmark will get.
+  std::uint64_t nextKeyframe() const { return next_keyframe_; }
+  std::uint64_t nextLandmark() const { return next_landmark_; }
+  /// Puts a stored map in the place of this one; ids stay what they were.
+  /// @param keyframes  their `landmarks` are not read: they follow from the landmarks' observations
+  /// @param landmarks  observations must name keyframes and features that exist, each feature at most once
+  void restore(std::map<KeyframeId, Keyframe> keyframes, std::unordered_map<LandmarkId, Landmark> landmarks,
+               std::uint64_t next_keyframe, std::uint64_t next_landmark);
+
  private:
   Keyframe* mutableKeyframe(KeyframeId id);
   Landmark* mutableLandmark(LandmarkId id);

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Runs the motion stage alone over a TUM folder and measures it against the sequence's masks and ground truth.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <deque>
 #include <exception>
 #include <filesystem>
@@ -16,6 +16,7 @@
 
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/eval/mask_score.h"
 #include "semantic_vslam/core/eval/stage_timing.h"
 #include "semantic_vslam/core/io/tum_sequence.h"
 #include "semantic_vslam/core/motion/flow_colour.h"
@@ -74,21 +75,6 @@ Options parseOptions(int argc, char** argv) {
   if (options.sequence.empty() || options.camera.empty()) throw Error(kUsage);
   return options;
 }
-
-/// Pixel counts over all frames that have a true mask.
-struct MaskCounts {
-  double both = 0, found = 0, real = 0;
-
-  void add(const cv::Mat1b& dynamic, const cv::Mat1b& truth) {
-    const cv::Mat1b found_mask = dynamic >= 128, real_mask = truth >= 128;
-    found += cv::countNonZero(found_mask);
-    real += cv::countNonZero(real_mask);
-    both += cv::countNonZero(found_mask & real_mask);
-  }
-  double recall() const { return both / std::max(real, 1.0); }
-  double precision() const { return both / std::max(found, 1.0); }
-  double iou() const { return both / std::max(found + real - both, 1.0); }
-};
 
 /// Error of the camera's motion between frames against the ground truth.
 class MotionError {
@@ -179,7 +165,7 @@ void run(const Options& options) {
   if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);
   const LabelSet label_set = personLabels();
   StageTimes times;
-  MaskCounts counts;
+  MaskScore score;
   MotionError motion_error(sequence.groundTruth());
   std::deque<LateMask> late;
   std::vector<double> shares;
@@ -200,7 +186,7 @@ void run(const Options& options) {
     if (options.mask_delay_s >= 0.0 && !truth.empty() && frame->index % options.mask_period == 0) {
       late.push_back({frame->stamp, cv::Mat1b(truth / 255)});
     }
-    if (!truth.empty()) counts.add(result.dynamic, truth);
+    if (!truth.empty()) score.add(result.dynamic, truth);
     shares.push_back(result.dynamic_share);
     ++by_model[static_cast<int>(result.model)];
     if (frame->index > 0) motion_error.add(previous, frame->stamp, result);
@@ -217,9 +203,9 @@ void run(const Options& options) {
               cpu.cpu.worst_ms);
   std::printf("called dynamic: mean %.2f %%, p95 %.2f %%, worst %.2f %% of the pixels\n", 100.0 * mean_share,
               100.0 * quantile(shares, 0.95), 100.0 * quantile(shares, 1.0));
-  if (counts.real > 0) {
-    std::printf("against the masks: recall %.3f precision %.3f IoU %.3f\n", counts.recall(), counts.precision(),
-                counts.iou());
+  if (score.frames() > 0) {
+    std::printf("against the masks: recall %.3f precision %.3f IoU %.3f\n", score.recall(), score.precision(),
+                score.iou());
   }
   motion_error.print();
 }

@@ -12,8 +12,8 @@
 namespace semantic_vslam {
 namespace {
 
-// One point per block of 4x4 cells: 1200 points at 160x120, evenly spread.
-constexpr int kBlockCells = 4;
+// One point per block of 5x5 cells: 768 points at 160x120, evenly spread.
+constexpr int kBlockCells = 5;
 // Less gradient than the camera's own noise carries no flow.
 constexpr float kLeastTexture = 3.0F;
 // Gradient at which the flow is half trusted, gray levels per cell.

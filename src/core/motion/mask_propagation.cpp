@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
-#include <vector>
 
 #include "semantic_vslam/core/motion/flow_carry.h"
+#include "semantic_vslam/core/segmentation/dynamic_objects.h"
 
 namespace semantic_vslam {
 namespace {
@@ -26,7 +26,7 @@ cv::Mat2f identityOrigin(cv::Size size) {
 /// One frame further. The origin is taken from the nearest cell plus the offset to it: interpolating would mix the
 /// origins of a person and of the wall beside.
 cv::Mat2f advanceOrigin(const cv::Mat2f& origin, const cv::Mat2f& flow_cells, const cv::Mat1f& previous_depth_m,
-                        const cv::Mat1f& depth_m) {
+                        const cv::Mat1f& depth_m, double dt_s) {
   cv::Mat2f advanced(origin.size(), cv::Vec2f(kNan, kNan));
   for (int y = 0; y < origin.rows; ++y) {
     for (int x = 0; x < origin.cols; ++x) {
@@ -34,7 +34,7 @@ cv::Mat2f advanceOrigin(const cv::Mat2f& origin, const cv::Mat2f& flow_cells, co
       const float before_x = static_cast<float>(x) - flow[0], before_y = static_cast<float>(y) - flow[1];
       const int column = cvRound(before_x), row = cvRound(before_y);
       if (column < 0 || row < 0 || column >= origin.cols || row >= origin.rows) continue;
-      if (isUncovered(depth_m(y, x), previous_depth_m(row, column))) continue;
+      if (isUncovered(depth_m(y, x), previous_depth_m(row, column), static_cast<float>(dt_s))) continue;
       const cv::Vec2f offset(before_x - static_cast<float>(column), before_y - static_cast<float>(row));
       advanced(y, x) = origin(row, column) + offset;
     }
@@ -54,31 +54,6 @@ cv::Mat1f personShare(const cv::Mat1b& labels, const LabelSet& label_set, cv::Si
   return share;
 }
 
-/// Marks every connected region of a movable class of which more than phi moves, eq. (5): rho_i = F_i / M_i > phi.
-void markMovingThings(const cv::Mat1b& labels, const LabelSet& label_set, const cv::Mat1b& moving, double phi,
-                      cv::Mat1f& dynamic) {
-  for (std::size_t label = 0; label < label_set.size(); ++label) {
-    if (label_set.classes[label].mobility != Mobility::kMovable) continue;
-    const cv::Mat1b of_class = labels == static_cast<uchar>(label);
-    cv::Mat1i regions;
-    const int count = cv::connectedComponents(of_class, regions, 8, CV_32S);
-    std::vector<int> pixels(static_cast<std::size_t>(count), 0), moving_pixels(static_cast<std::size_t>(count), 0);
-    for (int y = 0; y < regions.rows; ++y) {
-      for (int x = 0; x < regions.cols; ++x) {
-        const auto region = static_cast<std::size_t>(regions(y, x));
-        ++pixels[region];
-        moving_pixels[region] += moving(y, x) != 0 ? 1 : 0;
-      }
-    }
-    for (int y = 0; y < regions.rows; ++y) {
-      for (int x = 0; x < regions.cols; ++x) {
-        const auto region = static_cast<std::size_t>(regions(y, x));
-        if (region > 0 && moving_pixels[region] > phi * pixels[region]) dynamic(y, x) = 1.0F;  // eq. (5)
-      }
-    }
-  }
-}
-
 }  // namespace
 
 MaskPropagation::MaskPropagation(const MaskPropagationConfig& config) : config_(config) {}
@@ -94,7 +69,9 @@ void MaskPropagation::addFrame(const GridFrame& frame, const cv::Mat2f& flow_cel
     if (flow_cells.empty() || entries_.empty()) {
       mask_.release();
     } else {
-      origin_ = advanceOrigin(origin_, flow_cells, entries_.back().depth_m, frame.depth_m);
+      const Entry& last = entries_.back();
+      origin_ =
+          advanceOrigin(origin_, flow_cells, last.depth_m, frame.depth_m, secondsBetween(last.stamp, frame.stamp));
       // Past three time constants next to nothing of the trust is left.
       if (secondsBetween(mask_stamp_, frame.stamp) > 3.0 * config_.time_constant_s) mask_.release();
     }
@@ -110,10 +87,13 @@ void MaskPropagation::setMoving(const cv::Mat1b& moving) {
 cv::Mat1f MaskPropagation::dynamicOf(const Entry& entry, const cv::Mat1b& labels, const LabelSet& label_set) const {
   const cv::Size size = entry.depth_m.size();
   cv::Mat1f dynamic = personShare(labels, label_set, size);
-  cv::Mat1b reduced;
+  cv::Mat1b reduced, removed;
   cv::resize(labels, reduced, size, 0, 0, cv::INTER_NEAREST);
-  markMovingThings(reduced, label_set, entry.moving, config_.phi, dynamic);
-  return dynamic;
+  decideDynamic(reduced, label_set, entry.moving, config_.phi, &removed);  // eq. (5)
+  cv::Mat1f whole_cells;
+  removed.convertTo(whole_cells, CV_32F, 1.0 / 255.0);
+  // People to a fraction of a cell, moving things to whole cells.
+  return cv::max(dynamic, whole_cells);
 }
 
 bool MaskPropagation::addLabels(Stamp stamp, const cv::Mat1b& labels, const LabelSet& label_set) {
@@ -124,7 +104,9 @@ bool MaskPropagation::addLabels(Stamp stamp, const cv::Mat1b& labels, const Labe
   mask_stamp_ = stamp;
   origin_ = identityOrigin(mask_.size());
   for (auto next = entry + 1; next != entries_.end(); ++next) {
-    origin_ = advanceOrigin(origin_, next->flow_cells, (next - 1)->depth_m, next->depth_m);
+    const Entry& last = *(next - 1);
+    origin_ =
+        advanceOrigin(origin_, next->flow_cells, last.depth_m, next->depth_m, secondsBetween(last.stamp, next->stamp));
   }
   return true;
 }

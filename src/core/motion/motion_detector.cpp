@@ -17,7 +17,7 @@ namespace {
 // A longer gap than this shares too little of the image for the flow, and is treated as a new start.
 constexpr double kLongestGapS = 0.5;
 // Number of earlier depth images that the present one is compared with, spread over the configured age.
-constexpr int kReferences = 3;
+constexpr int kReferences = 2;
 // Trust left in a cell that surely moves: if everything seems to move, the least moving still counts.
 constexpr float kLeastTrust = 0.01F;
 
@@ -34,6 +34,9 @@ cv::Mat2f reduceToCells(const cv::Mat2f& flow, cv::Size size) {
   return cells;
 }
 
+/// Log-odds to 0 .. 1, with 0 at 0.5: the logistic function's slope there, without its cost.
+float squash(float log_odds) { return 0.5F + 0.25F * log_odds / (1.0F + 0.5F * std::abs(log_odds)); }
+
 /// Velocity scaled to another time step.
 SE3 scaleMotion(const SE3& motion, double factor) { return se3Exp(factor * se3Log(motion)); }
 
@@ -47,6 +50,7 @@ void MotionDetector::reset() {
   camera_.reset();
   previous_ = {};
   references_.clear();
+  turn_ = 0;
   propagation_.reset();
   velocity_ = SE3::Identity();
   velocity_dt_s_ = 0.0;
@@ -92,7 +96,8 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
 }
 
 cv::Mat1f MotionDetector::staticWeight(const GridFrame& current, const cv::Mat2f& flow_cells) const {
-  cv::Mat1f weight = carryWithFlow(dynamic_probability_, flow_cells, previous_.depth_m, current.depth_m, 0.3F);
+  cv::Mat1f weight = carryWithFlow(dynamic_probability_, flow_cells, previous_.depth_m, current.depth_m,
+                                   static_cast<float>(secondsBetween(previous_.stamp, current.stamp)), 0.3F);
   const cv::Mat1f semantic = propagation_.dynamicNow();
   for (int y = 0; y < weight.rows; ++y) {
     for (int x = 0; x < weight.cols; ++x) {
@@ -136,10 +141,16 @@ MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& cur
   advanceReferences(camera);
 
   Estimate estimate;
-  const RigidFlowResidual residual = computeRigidFlowResidual(current, flow_cells, camera, *grid_, config_.rigid);
+  const RigidFlowResidual residual =
+      computeRigidFlowResidual(previous_, current, flow_cells, camera, *grid_, config_.rigid);
   const cv::Mat1f gain = compareBrightness(previous_, current, flow_cells, residual);
   memory_.carry(previous_, current, flow_cells, residual, gain);
-  const DepthVote vote = voteByDepth(current, references_, *grid_, config_.rigid);
+  DepthVote vote;
+  if (!references_.empty()) {
+    // One reference a frame, in turn: the evidence gathers over frames, and each look costs a millisecond.
+    turn_ = (turn_ + 1) % references_.size();
+    vote = voteByDepth(current, references_[turn_], *grid_, config_.rigid);
+  }
   memory_.add(current, residual, gain, vote);
   estimate.model = MotionModel::kRigidFlow;
   estimate.camera = camera;
@@ -173,7 +184,7 @@ MotionResult MotionDetector::compose(const Estimate& estimate, const cv::Mat2f& 
     for (int x = 0; x < size.width; ++x) {
       const bool moves = moving(y, x) != 0;
       float probability = moves ? 0.9F : 0.1F;
-      if (!estimate.log_odds.empty()) probability = 1.0F / (1.0F + std::exp(-estimate.log_odds(y, x)));
+      if (!estimate.log_odds.empty()) probability = squash(estimate.log_odds(y, x));
       // The cleaned mask decides; the evidence says how surely.
       probability = moves ? std::max(probability, 0.55F) : std::min(probability, 0.45F);
       if (estimate.model == MotionModel::kNone) probability = 0.0F;

@@ -14,12 +14,12 @@ namespace {
 // Log-odds of a cell nothing is known of: most of a room stands still.
 constexpr float kPrior = -0.5F;
 // Bounds, so that no cell is ever too sure to change its mind within half a second.
-constexpr float kLowest = -2.5F, kHighest = 4.0F;
+constexpr float kLowest = -2.5F, kHighest = 3.0F;
 // Evidence of one frame. Neighbouring frames share their errors, so it is far below what independent noise would allow.
 constexpr float kFlowMoves = 0.9F;   // full residual, brightness agrees
 constexpr float kFlowStays = -0.3F;  // textured and where the rigid flow says: weak, people pause
 constexpr float kEntered = 1.2F;     // in space that was free
-constexpr float kStayed = -0.25F;    // where it was in the oldest reference
+constexpr float kStayed = -0.25F;    // where it was in an earlier depth image
 // Residuals: from kSilent sigmas on the flow speaks for motion, at kFull fully.
 constexpr float kStaysSigmas = 2.0F, kSilentSigmas = 3.0F, kFullSigmas = 7.0F;
 constexpr float kTexture = 4.0F;  // gray levels per cell at which a flow that agrees says something
@@ -46,40 +46,42 @@ void MotionMemory::fade(cv::Mat1f carried, double age_s) {
 }
 
 void MotionMemory::carry(const GridFrame& previous, const GridFrame& current, const cv::Mat2f& flow_cells) {
-  fade(carryWithFlow(log_odds_, flow_cells, previous.depth_m, current.depth_m, kPrior),
-       secondsBetween(previous.stamp, current.stamp));
+  const double dt_s = secondsBetween(previous.stamp, current.stamp);
+  fade(carryWithFlow(log_odds_, flow_cells, previous.depth_m, current.depth_m, static_cast<float>(dt_s), kPrior), dt_s);
 }
 
 void MotionMemory::carry(const GridFrame& previous, const GridFrame& current, const cv::Mat2f& flow_cells,
                          const RigidFlowResidual& residual, const cv::Mat1f& brightness_gain) {
-  cv::Mat1f carried = carryWithFlow(log_odds_, flow_cells, previous.depth_m, current.depth_m, kPrior);
+  const double dt_s = secondsBetween(previous.stamp, current.stamp);
+  cv::Mat1f carried =
+      carryWithFlow(log_odds_, flow_cells, previous.depth_m, current.depth_m, static_cast<float>(dt_s), kPrior);
   const auto right = static_cast<float>(carried.cols - 1), bottom = static_cast<float>(carried.rows - 1);
   for (int y = 0; y < carried.rows; ++y) {
     for (int x = 0; x < carried.cols; ++x) {
       // Below a sigma both come from the same place.
-      if (residual.sigmas(y, x) < 1.0F) continue;
+      if (residual.sigmas(y, x) < 1.0F && !residual.hidden(y, x)) continue;
       const cv::Vec2f at = residual.previous(y, x);
       if (!(at[0] >= 0.0F && at[1] >= 0.0F && at[0] <= right && at[1] <= bottom)) continue;
-      const float depth_before = previous.depth_m(static_cast<int>(at[1] + 0.5F), static_cast<int>(at[0] + 0.5F));
-      const bool hidden = isUncovered(current.depth_m(y, x), depth_before);
-      const float if_still = hidden ? kPrior : sampleBilinear(log_odds_, at[0], at[1]);
+      const float if_still = residual.hidden(y, x) ? kPrior : sampleBilinear(log_odds_, at[0], at[1]);
       const float if_moving = carried(y, x), gain = brightness_gain(y, x);
       const float undecided = std::min(if_still, if_moving);
       const float decided = gain > 0.0F ? if_moving : if_still;
       carried(y, x) = undecided + std::abs(gain) * (decided - undecided);
     }
   }
-  fade(carried, secondsBetween(previous.stamp, current.stamp));
+  fade(carried, dt_s);
 }
 
 void MotionMemory::add(const GridFrame& current, const RigidFlowResidual& residual, const cv::Mat1f& brightness_gain,
                        const DepthVote& vote) {
   for (int y = 0; y < log_odds_.rows; ++y) {
+    const float *sigmas = residual.sigmas[y], *gain = brightness_gain[y], *texture = current.texture[y];
+    const uchar* hidden = residual.hidden[y];
     float* out = log_odds_[y];
     for (int x = 0; x < log_odds_.cols; ++x) {
-      const float evidence = flowEvidence(residual.sigmas(y, x), brightness_gain(y, x), current.texture(y, x)) +
-                             kEntered * vote.entered(y, x) + kStayed * vote.stayed(y, x);
-      out[x] = std::clamp(out[x] + evidence, kLowest, kHighest);
+      if (!hidden[x]) out[x] += flowEvidence(sigmas[x], gain[x], texture[x]);
+      if (!vote.entered.empty()) out[x] += kEntered * vote.entered(y, x) + kStayed * vote.stayed(y, x);
+      out[x] = std::clamp(out[x], kLowest, kHighest);
     }
   }
 }
@@ -90,13 +92,6 @@ cv::Mat1f MotionMemory::surfaceLogOdds(const GridFrame& current) const {
     for (int x = 0; x < weights.cols; ++x) weights(y, x) = current.depth_m(y, x) > 0.0F ? 1.0F : kHoleWeight;
   }
   return filterAlongDepth(log_odds_, weights, current.depth_m, kReachCells);
-}
-
-cv::Mat1f probabilityOf(const cv::Mat1f& log_odds) {
-  cv::Mat1f exponential, probability;
-  cv::exp(-log_odds, exponential);
-  probability = 1.0 / (1.0 + exponential);
-  return probability;
 }
 
 }  // namespace semantic_vslam

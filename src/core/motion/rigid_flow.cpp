@@ -12,8 +12,10 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 // Depth noise allowed to each side, in standard deviations.
 constexpr float kDepthSigmas = 2.0F;
-// Range of a depth camera: what a hole may hide, metres.
+// Range of a depth camera: what a hole without surroundings may hide, metres.
 constexpr float kHoleNearM = 0.4F, kHoleFarM = 12.0F;
+// A surface counts as hidden before if it lies behind what was seen by this and the noise, metres.
+constexpr float kHiddenMarginM = 0.03F;
 // Residuals below this many standard deviations are the flow's own noise: their brightness need not be compared.
 constexpr float kNoiseSigmas = 1.5F;
 // Gain in brightness error at which the measured flow is believed fully, gray levels (image noise is 2 to 4).
@@ -25,7 +27,7 @@ struct DepthRange {
 
 DepthRange plausibleDepth(const GridFrame& frame, const RigidFlowConfig& config, int y, int x) {
   const float low = frame.depth_low_m(y, x), high = frame.depth_high_m(y, x);
-  if (frame.depth_m(y, x) <= 0.0F || low <= 0.0F) return {kHoleNearM, kHoleFarM};
+  if (low <= 0.0F || high <= 0.0F) return {kHoleNearM, kHoleFarM};
   return {std::max(0.1F, low - kDepthSigmas * depthSigma(config, low)), high + kDepthSigmas * depthSigma(config, high)};
 }
 
@@ -34,6 +36,14 @@ cv::Point2f closestOnSegment(const cv::Point2f& a, const cv::Point2f& b, const c
   const float length_squared = along.dot(along);
   if (length_squared < 1e-8F) return a;
   return a + along * std::clamp((p - a).dot(along) / length_squared, 0.0F, 1.0F);
+}
+
+/// True if, standing still, even the nearest depth the cell may have was behind what the previous frame saw there.
+bool wasHidden(const GridFrame& previous, const cv::Point2f& cell, float depth_m, const RigidFlowConfig& config) {
+  const int x = static_cast<int>(cell.x + 0.5F), y = static_cast<int>(cell.y + 0.5F);
+  if (x < 0 || y < 0 || x >= previous.depth_m.cols || y >= previous.depth_m.rows) return false;
+  const float before = previous.depth_low_m(y, x);
+  return before > 0.0F && depth_m - before > kHiddenMarginM + kDepthSigmas * depthSigma(config, depth_m);
 }
 
 /// Bilinear sample of an 8-bit image; positions outside are clamped.
@@ -50,38 +60,40 @@ float sampleGray(const cv::Mat1b& gray, float x, float y) {
 
 }  // namespace
 
-RigidFlowResidual computeRigidFlowResidual(const GridFrame& current, const cv::Mat2f& flow_cells,
-                                           const CameraMotion& motion, const WorkGrid& grid,
-                                           const RigidFlowConfig& config) {
+RigidFlowResidual computeRigidFlowResidual(const GridFrame& previous, const GridFrame& current,
+                                           const cv::Mat2f& flow_cells, const CameraMotion& motion,
+                                           const WorkGrid& grid, const RigidFlowConfig& config) {
   const cv::Size size = grid.size();
-  RigidFlowResidual out{cv::Mat1f(size), cv::Mat1f(size), cv::Mat2f(size)};
-  const Eigen::Matrix3f R = motion.T_previous_current.linear().cast<float>();
-  const Eigen::Vector3f t = motion.T_previous_current.translation().cast<float>();
+  RigidFlowResidual out{cv::Mat1f(size), cv::Mat1f(size), cv::Mat2f(size), cv::Mat1b(size)};
+  const CellTransform T_previous_current(motion.T_previous_current);
   const float focal_px = grid.focalCells() * grid.cellPx();
   const auto sigma_t = static_cast<float>(motion.translation_sigma_m) * focal_px;
   const auto sigma_r = static_cast<float>(motion.rotation_sigma_rad) * focal_px;
   const auto flow_sigma = static_cast<float>(motion.flow_sigma_px);
   const float fixed_variance = flow_sigma * flow_sigma + sigma_r * sigma_r;
   for (int y = 0; y < size.height; ++y) {
+    const cv::Vec2f *rays = grid.rays()[y], *flow = flow_cells[y];
+    float *amplitude_px = out.amplitude_px[y], *sigmas = out.sigmas[y];
+    cv::Vec2f* source = out.previous[y];
+    uchar* hidden = out.hidden[y];
     for (int x = 0; x < size.width; ++x) {
-      const cv::Vec2f ray = grid.rays()(y, x);
       const DepthRange depth = plausibleDepth(current, config, y, x);
-      const Eigen::Vector3f turned = R * Eigen::Vector3f(ray[0], ray[1], 1.0F);
-      const cv::Point2f near_px = grid.project(turned * depth.low_m + t);
-      const cv::Point2f far_px = grid.project(turned * depth.high_m + t);
-      const cv::Vec2f flow = flow_cells(y, x);
-      const cv::Point2f measured(static_cast<float>(x) - flow[0], static_cast<float>(y) - flow[1]);
-      const cv::Point2f predicted = closestOnSegment(near_px, far_px, measured);
-      out.previous(y, x) = {predicted.x, predicted.y};
+      const cv::Point3f turned = T_previous_current.turn(rays[x]);
+      const cv::Point3f nearest = T_previous_current.at(turned, depth.low_m);
+      const cv::Point3f farthest = T_previous_current.at(turned, depth.high_m);
+      const cv::Point2f measured(static_cast<float>(x) - flow[x][0], static_cast<float>(y) - flow[x][1]);
+      const cv::Point2f predicted = closestOnSegment(grid.project(nearest.x, nearest.y, nearest.z),
+                                                     grid.project(farthest.x, farthest.y, farthest.z), measured);
+      source[x] = {predicted.x, predicted.y};
+      hidden[x] = wasHidden(previous, predicted, nearest.z, config) ? 255 : 0;
       if (!grid.contains(measured)) {
-        out.amplitude_px(y, x) = out.sigmas(y, x) = kNan;
+        amplitude_px[x] = sigmas[x] = kNan;
         continue;
       }
       const cv::Point2f difference = measured - predicted;
-      const float amplitude = std::sqrt(difference.dot(difference)) * grid.cellPx();  // eq. (1)
       const float shift = sigma_t / depth.low_m;
-      out.amplitude_px(y, x) = amplitude;
-      out.sigmas(y, x) = amplitude / std::sqrt(fixed_variance + shift * shift);
+      amplitude_px[x] = std::sqrt(difference.dot(difference)) * grid.cellPx();  // eq. (1)
+      sigmas[x] = amplitude_px[x] / std::sqrt(fixed_variance + shift * shift);
     }
   }
   return out;
@@ -89,17 +101,19 @@ RigidFlowResidual computeRigidFlowResidual(const GridFrame& current, const cv::M
 
 cv::Mat1f compareBrightness(const GridFrame& previous, const GridFrame& current, const cv::Mat2f& flow_cells,
                             const RigidFlowResidual& residual) {
+  // A cell is two gray pixels wide: its centre lies between them.
+  const auto toGray = [](float cell) { return 2.0F * cell + 0.5F; };
   cv::Mat1f gain(residual.sigmas.size(), 0.0F);
   for (int y = 0; y < gain.rows; ++y) {
+    const float* sigmas = residual.sigmas[y];
+    const uchar* hidden = residual.hidden[y];
+    const cv::Vec2f *rigid = residual.previous[y], *flow = flow_cells[y];
     for (int x = 0; x < gain.cols; ++x) {
-      if (!(residual.sigmas(y, x) > kNoiseSigmas)) continue;  // NaN too
-      // A cell is two gray pixels wide: its centre lies between them.
-      const auto toGray = [](float cell) { return 2.0F * cell + 0.5F; };
-      const float here = sampleGray(current.gray, toGray(static_cast<float>(x)), toGray(static_cast<float>(y)));
-      const cv::Vec2f rigid = residual.previous(y, x), flow = flow_cells(y, x);
-      const float by_rigid = sampleGray(previous.gray, toGray(rigid[0]), toGray(rigid[1]));
-      const float by_flow =
-          sampleGray(previous.gray, toGray(static_cast<float>(x) - flow[0]), toGray(static_cast<float>(y) - flow[1]));
+      if (!(sigmas[x] > kNoiseSigmas) || hidden[x]) continue;  // NaN too
+      const auto column = static_cast<float>(x), row = static_cast<float>(y);
+      const float here = sampleGray(current.gray, toGray(column), toGray(row));
+      const float by_rigid = sampleGray(previous.gray, toGray(rigid[x][0]), toGray(rigid[x][1]));
+      const float by_flow = sampleGray(previous.gray, toGray(column - flow[x][0]), toGray(row - flow[x][1]));
       gain(y, x) = std::abs(here - by_rigid) - std::abs(here - by_flow);
     }
   }

@@ -54,6 +54,39 @@ cv::Mat1f gradientMagnitude(const cv::Mat1b& gray, cv::Size size) {
   return magnitude;
 }
 
+// Stands for "no depth" where the nearest is looked for; farther than any sensor reads.
+constexpr float kFarM = 1e3F;
+// Holes take their range of depth from blocks of this size about them: 8 cells reach over 32 to 64 px.
+constexpr int kHoleBlockCells = 8;
+
+/// Gives holes that no depth touches the range of depth of the blocks about them.
+void fillHoles(GridFrame& frame) {
+  const cv::Size size = frame.depth_m.size();
+  const cv::Size blocks((size.width + kHoleBlockCells - 1) / kHoleBlockCells,
+                        (size.height + kHoleBlockCells - 1) / kHoleBlockCells);
+  cv::Mat1f low(blocks, kFarM), high(blocks, 0.0F);
+  for (int y = 0; y < size.height; ++y) {
+    const float* depth = frame.depth_m[y];
+    float *low_row = low[y / kHoleBlockCells], *high_row = high[y / kHoleBlockCells];
+    for (int x = 0; x < size.width; ++x) {
+      if (depth[x] <= 0.0F) continue;
+      low_row[x / kHoleBlockCells] = std::min(low_row[x / kHoleBlockCells], depth[x]);
+      high_row[x / kHoleBlockCells] = std::max(high_row[x / kHoleBlockCells], depth[x]);
+    }
+  }
+  const cv::Mat1b kernel = cv::Mat1b::ones(3, 3);
+  cv::erode(low, low, kernel);
+  cv::dilate(high, high, kernel);
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      if (frame.depth_m(y, x) > 0.0F) continue;
+      const float nearest = low(y / kHoleBlockCells, x / kHoleBlockCells);
+      frame.depth_low_m(y, x) = nearest < kFarM ? nearest : 0.0F;
+      frame.depth_high_m(y, x) = high(y / kHoleBlockCells, x / kHoleBlockCells);
+    }
+  }
+}
+
 }  // namespace
 
 WorkGrid::WorkGrid(std::shared_ptr<const CameraModel> camera, int flow_width_px)
@@ -82,8 +115,6 @@ cv::Vec2f WorkGrid::rayAt(float x, float y) const {
 }
 
 GridFrame makeGridFrame(const RgbdFrame& frame, const WorkGrid& grid) {
-  // Stands for "no depth" where the nearest is looked for; farther than any sensor reads.
-  constexpr float kFarM = 1e3F;
   GridFrame out;
   out.stamp = frame.stamp;
   cv::resize(frame.gray, out.gray, grid.flowSize(), 0, 0, cv::INTER_AREA);
@@ -94,7 +125,7 @@ GridFrame makeGridFrame(const RgbdFrame& frame, const WorkGrid& grid) {
   cv::Mat1f no_holes = out.depth_m.clone();
   for (float& z : no_holes) z = z > 0.0F ? z : kFarM;
   cv::erode(no_holes, out.depth_low_m, kernel);
-  for (float& z : out.depth_low_m) z = z < kFarM ? z : 0.0F;
+  fillHoles(out);
   return out;
 }
 

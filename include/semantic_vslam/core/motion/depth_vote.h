@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <deque>
 #include <opencv2/core.hpp>
 
 #include "semantic_vslam/core/geometry/se3.h"
@@ -20,15 +19,15 @@ struct DepthReference {
   SE3 T_reference_current = SE3::Identity();
 };
 
-/// What earlier depth images say of the present one: each cell's surface is moved into the earlier camera.
+/// What an earlier depth image says of the present one: each cell's surface is moved into the earlier camera.
 /// Nearer than everything seen there: something came into space that was seen to be free (someone walks, also along the
 /// optical axis). At the depth seen there: it stood still since. Behind it: it was hidden, no vote.
 struct DepthVote {
-  cv::Mat1f entered;  ///< 0 .. 1: how clearly the surface lies in space seen free, the strongest of the references
-  cv::Mat1f stayed;   ///< 0 .. 1: how clearly it was there, and static, in the oldest reference that tells
+  cv::Mat1f entered;  ///< 0 .. 1: how clearly the surface lies in space that was seen free
+  cv::Mat1f stayed;   ///< 0 .. 1: how clearly it was there then, and static
 };
 
-DepthVote voteByDepth(const GridFrame& current, const std::deque<DepthReference>& references, const WorkGrid& grid,
+DepthVote voteByDepth(const GridFrame& current, const DepthReference& reference, const WorkGrid& grid,
                       const RigidFlowConfig& config);
 
 }  // namespace semantic_vslam

@@ -9,13 +9,14 @@ namespace semantic_vslam {
 /// Dense optical flow (DIS; Kroeger et al., ECCV 2016).
 struct DenseFlowConfig {
   int width_px = 320;
-  std::string preset = "fast";
+  std::string preset = "ultrafast";
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("width_px", width_px, 80, 1280,
             "width the image is reduced to for the flow, px (a multiple of 2); masks are decided at half of it");
-    v.choice("preset", preset, {"ultrafast", "fast", "medium"}, "DIS preset; medium costs five times fast");
+    v.choice("preset", preset, {"ultrafast", "fast", "medium"},
+             "DIS preset: 1, 1.6 and 8 times the CPU; masks are as good with the first");
   }
 };
 
@@ -58,7 +59,7 @@ struct RigidFlowConfig {
 
 /// Evidence carried from frame to frame with the flow.
 struct MotionMemoryConfig {
-  double time_constant_s = 0.8;
+  double time_constant_s = 0.5;
   double reference_age_s = 1.5;
 
   template <class Visitor>

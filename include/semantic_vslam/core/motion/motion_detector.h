@@ -65,6 +65,7 @@ class MotionDetector {
   SE3 velocity_ = SE3::Identity();  // T_previous_current of the last frame
   double velocity_dt_s_ = 0.0;
   std::deque<DepthReference> references_;  // oldest first
+  std::size_t turn_ = 0;                   // of the references
 };
 
 }  // namespace semantic_vslam

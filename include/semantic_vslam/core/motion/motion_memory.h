@@ -24,6 +24,7 @@ class MotionMemory {
   void carry(const GridFrame& previous, const GridFrame& current, const cv::Mat2f& flow_cells,
              const RigidFlowResidual& residual, const cv::Mat1f& brightness_gain);
   /// Adds what this frame shows.
+  /// @param brightness_gain  of compareBrightness()  @param vote  empty images: no earlier depth yet
   void add(const GridFrame& current, const RigidFlowResidual& residual, const cv::Mat1f& brightness_gain,
            const DepthVote& vote);
   /// @return log-odds after sharing evidence along surfaces; above 0 = moving.
@@ -36,8 +37,5 @@ class MotionMemory {
   MotionMemoryConfig config_;
   cv::Mat1f log_odds_;
 };
-
-/// Logistic function of log-odds.
-cv::Mat1f probabilityOf(const cv::Mat1f& log_odds);
 
 }  // namespace semantic_vslam

@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "semantic_vslam/core/camera/rgbd_frame.h"
+#include "semantic_vslam/core/geometry/se3.h"
 
 namespace semantic_vslam {
 
@@ -31,10 +32,10 @@ class WorkGrid {
   const cv::Mat2f& rays() const { return rays_; }
   /// Ray of a position between cells, bilinear; positions outside are clamped to the image.
   cv::Vec2f rayAt(float x, float y) const;
-  /// @param point  metres, z > 0  @return position on the grid, in cells (may lie outside).
-  cv::Point2f project(const Eigen::Vector3f& point) const {
-    const float inverse_z = 1.0F / point.z();
-    float a = point.x() * inverse_z, b = point.y() * inverse_z;
+  /// @param x, y, z  metres, z > 0  @return position on the grid, in cells (may lie outside).
+  cv::Point2f project(float x, float y, float z) const {
+    const float inverse_z = 1.0F / z;
+    float a = x * inverse_z, b = y * inverse_z;
     if (distorted_) distort(a, b);
     return {fx_ * a + cx_, fy_ * b + cy_};
   }
@@ -66,12 +67,31 @@ struct GridFrame {
   Stamp stamp;
   cv::Mat1b gray;          ///< flow size, 8-bit
   cv::Mat1f depth_m;       ///< 0 = none
-  cv::Mat1f depth_low_m;   ///< nearest depth of the 3x3 neighbourhood; 0 where all of it is without depth
-  cv::Mat1f depth_high_m;  ///< farthest depth of the 3x3 neighbourhood; 0 where all of it is without depth
+  cv::Mat1f depth_low_m;   ///< nearest depth of the 3x3 neighbourhood; in a hole, of its wider surroundings; 0 = none
+  cv::Mat1f depth_high_m;  ///< farthest, likewise
   cv::Mat1f texture;       ///< brightness gradient, gray levels per cell
 };
 
 GridFrame makeGridFrame(const RgbdFrame& frame, const WorkGrid& grid);
+
+/// Rigid motion in single precision, for the loops over all cells.
+struct CellTransform {
+  explicit CellTransform(const SE3& transform)
+      : R(transform.linear().cast<float>()), t(transform.translation().cast<float>()) {}
+
+  /// Direction of a ray (x/z, y/z, 1) after the rotation.
+  cv::Point3f turn(const cv::Vec2f& ray) const {
+    return {R(0, 0) * ray[0] + R(0, 1) * ray[1] + R(0, 2), R(1, 0) * ray[0] + R(1, 1) * ray[1] + R(1, 2),
+            R(2, 0) * ray[0] + R(2, 1) * ray[1] + R(2, 2)};
+  }
+  /// The point at depth z_m on a ray, given its turned direction.
+  cv::Point3f at(const cv::Point3f& turned, float z_m) const {
+    return {turned.x * z_m + t.x(), turned.y * z_m + t.y(), turned.z * z_m + t.z()};
+  }
+
+  Eigen::Matrix3f R;
+  Eigen::Vector3f t;
+};
 
 /// Samples a grid image at a position between cells, bilinear; the caller ensures that it lies inside.
 inline float sampleBilinear(const cv::Mat1f& image, float x, float y) {

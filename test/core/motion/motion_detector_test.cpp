@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/motion/motion_detector.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/common/rng.h"
+
+namespace semantic_vslam {
+namespace {
+
+/// Half of VGA: the motion stage works on 320 px anyway.
+CameraIntrinsics smallCamera() {
+  CameraIntrinsics k;
+  k.width = 320;
+  k.height = 240;
+  k.fx = k.fy = 262.5;
+  k.cx = 159.5;
+  k.cy = 119.5;
+  return k;
+}
+
+RgbdFrame texturedFrame(int index, float depth_m, int shift_px) {
+  Rng rng(4);
+  cv::Mat1b large(300, 400);
+  for (uchar& value : large) value = static_cast<uchar>(rng.below(256));
+  cv::GaussianBlur(large, large, {0, 0}, 3.0);
+  cv::normalize(large, large, 0, 255, cv::NORM_MINMAX);
+  static const auto camera = std::make_shared<const CameraModel>(smallCamera());
+  const cv::Mat1b gray = large(cv::Rect(40 - shift_px, 30, 320, 240)).clone();
+  return makeRgbdFrame(static_cast<std::uint64_t>(index), Stamp::fromSeconds(1.0 + 0.033 * index), gray,
+                       cv::Mat1f(240, 320, depth_m), 0.001, camera);
+}
+
+bool hasNan(const cv::Mat& image) { return !image.empty() && !cv::checkRange(image); }
+
+TEST(MotionDetectorTest, FirstFrameIsAllStaticAndHasNoFlow) {
+  MotionDetector detector{MotionConfig()};
+  const MotionResult result = detector.detect(texturedFrame(0, 2.0F, 0));
+  EXPECT_EQ(result.dynamic.size(), cv::Size(320, 240));
+  EXPECT_EQ(cv::countNonZero(result.dynamic), 0);
+  EXPECT_EQ(cv::countNonZero(result.moving), 0);
+  EXPECT_TRUE(result.flow_px.empty());
+  EXPECT_EQ(result.model, MotionModel::kNone);
+}
+
+TEST(MotionDetectorTest, FlowIsInPixelsOfTheFullImage) {
+  MotionDetector detector{MotionConfig()};
+  detector.detect(texturedFrame(0, 2.0F, 0));
+  const MotionResult result = detector.detect(texturedFrame(1, 2.0F, 4));
+  const cv::Scalar mean = cv::mean(result.flow_px);
+  EXPECT_NEAR(mean[0], 4.0, 0.3);
+  EXPECT_NEAR(mean[1], 0.0, 0.3);
+}
+
+TEST(MotionDetectorTest, ImageWithoutDepthFallsBackToTheHomography) {
+  MotionDetector detector{MotionConfig()};
+  detector.detect(texturedFrame(0, 0.0F, 0));
+  const MotionResult result = detector.detect(texturedFrame(1, 0.0F, 3));
+  EXPECT_EQ(result.model, MotionModel::kHomography);
+  EXPECT_LT(result.dynamic_share, 0.02);
+  EXPECT_FALSE(hasNan(result.flow_px));
+  EXPECT_FALSE(hasNan(result.residual_px));
+}
+
+TEST(MotionDetectorTest, BlackImageTellsNothingAndBreaksNothing) {
+  MotionDetector detector{MotionConfig()};
+  for (int i = 0; i < 4; ++i) {
+    RgbdFrame frame = texturedFrame(i, 0.0F, 0);
+    frame.gray = cv::Mat1b::zeros(240, 320);
+    const MotionResult result = detector.detect(frame);
+    EXPECT_EQ(result.model, MotionModel::kNone);
+    EXPECT_EQ(cv::countNonZero(result.dynamic >= 128), 0);
+    EXPECT_FALSE(hasNan(result.flow_px));
+  }
+}
+
+TEST(MotionDetectorTest, LabelsOfTheFirstFrameCountInTheSecond) {
+  LabelSet labels;
+  labels.classes.push_back({"person", Mobility::kPerson, {}});
+  for (const char* model : {"none", "homography", "rigid_flow"}) {
+    MotionConfig config;
+    config.model = model;
+    MotionDetector detector(config);
+    const RgbdFrame first = texturedFrame(0, 2.0F, 0);
+    detector.detect(first);
+    cv::Mat1b person = cv::Mat1b::zeros(240, 320);
+    person(cv::Rect(100, 60, 60, 120)) = 1;
+    ASSERT_TRUE(detector.addLabels(first.stamp, person, labels));
+    const MotionResult result = detector.detect(texturedFrame(1, 2.0F, 4));
+    EXPECT_GE(result.dynamic(120, 134), 128) << model;
+    EXPECT_LT(result.dynamic(120, 40), 128) << model;
+    EXPECT_LT(result.moving(120, 134), 128) << model;  // it did not move by itself
+  }
+}
+
+TEST(MotionDetectorTest, StampThatGoesBackStartsAnew) {
+  MotionDetector detector{MotionConfig()};
+  detector.detect(texturedFrame(5, 2.0F, 0));
+  detector.detect(texturedFrame(6, 2.0F, 1));
+  const MotionResult result = detector.detect(texturedFrame(2, 2.0F, 2));
+  EXPECT_EQ(result.model, MotionModel::kNone);
+  EXPECT_TRUE(result.flow_px.empty());
+}
+
+TEST(MotionDetectorTest, SameFramesGiveTheSameBytes) {
+  const auto run = [] {
+    MotionDetector detector{MotionConfig()};
+    MotionResult result;
+    for (int i = 0; i < 6; ++i) result = detector.detect(texturedFrame(i, 2.0F, 2 * i));
+    return result;
+  };
+  const MotionResult a = run(), b = run();
+  EXPECT_EQ(cv::norm(a.dynamic, b.dynamic, cv::NORM_INF), 0.0);
+  EXPECT_EQ(cv::norm(a.flow_px, b.flow_px, cv::NORM_INF), 0.0);
+  EXPECT_TRUE(a.T_current_previous.isApprox(b.T_current_previous, 0.0));
+}
+
+TEST(MotionDetectorTest, RefusesConfigurationsOutOfRange) {
+  MotionConfig config;
+  config.homography.theta_px = -1.0;
+  EXPECT_THROW(MotionDetector{config}, ConfigError);
+  config = MotionConfig();
+  config.model = "magic";
+  EXPECT_THROW(MotionDetector{config}, ConfigError);
+}
+
+}  // namespace
+}  // namespace semantic_vslam

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/ros/bag_source.h"
 
+#include <geometry_msgs/PoseStamped.h>
 #include <rosbag/view.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
@@ -71,6 +72,19 @@ bool isUncalibratedDefault(const CameraIntrinsics& k) {
   return undistorted && k.fx == 525.0 && k.fy == 525.0 && k.cx == 319.5 && k.cy == 239.5;
 }
 
+/// True poses of a recording that keeps them off /tf; empty if it has none.
+std::vector<TimedPose> readPoseMessages(const rosbag::Bag& bag) {
+  std::vector<TimedPose> poses;
+  rosbag::View view(bag, rosbag::TopicQuery(kPoseTopic));
+  for (const rosbag::MessageInstance& message : view) {
+    const auto pose = message.instantiate<geometry_msgs::PoseStamped>();
+    if (pose) poses.push_back({fromRos(pose->header.stamp), fromRos(pose->pose)});
+  }
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const TimedPose& a, const TimedPose& b) { return a.stamp < b.stamp; });
+  return poses;
+}
+
 sensor_msgs::ImageConstPtr image(const rosbag::MessageInstance& message) {
   const sensor_msgs::ImageConstPtr out = message.instantiate<sensor_msgs::Image>();
   if (!out) throw FileError("message of '" + message.getTopic() + "' is no image");
@@ -87,7 +101,8 @@ BagSource::BagSource(const std::string& path, std::shared_ptr<const CameraModel>
     pairImages();
     if (!camera_) readCamera();
     const auto first = image(rgb_messages_[pairs_.front().rgb]);
-    ground_truth_ = readTfChain(bag_, kTumWorldFrame, first->header.frame_id);
+    ground_truth_ = readPoseMessages(bag_);
+    if (ground_truth_.empty()) ground_truth_ = readTfChain(bag_, kTumWorldFrame, first->header.frame_id);
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {  // rosbag, and the deserialiser of a damaged message

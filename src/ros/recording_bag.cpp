@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/ros/recording_bag.h"
 
+#include <geometry_msgs/PoseStamped.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/distortion_models.h>
@@ -103,6 +104,18 @@ void RecordingBag::writeDepth(Stamp stamp, const cv::Mat1f& depth_m) {
 
 void RecordingBag::writeMask(Stamp stamp, const cv::Mat1b& mask) {
   write(kMaskTopic, stamp, *toRos(opticalHeader(stamp), encodings::MONO8, mask));
+}
+
+void RecordingBag::writeLabels(Stamp stamp, const cv::Mat1b& labels) {
+  write(kLabelsTopic, stamp, *toRos(opticalHeader(stamp), encodings::MONO8, labels));
+}
+
+void RecordingBag::writePoseMessage(Stamp stamp, const SE3& T_world_camera) {
+  geometry_msgs::PoseStamped message;
+  message.header.stamp = toRos(stamp);
+  message.header.frame_id = kTumWorldFrame;
+  message.pose = toPose(T_world_camera);
+  write(kPoseTopic, stamp, message);
 }
 
 void RecordingBag::writeTruePose(Stamp stamp, const SE3& T_world_camera) {

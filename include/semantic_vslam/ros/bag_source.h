@@ -18,8 +18,8 @@
 namespace semantic_vslam {
 
 /// Reads a ROS 1 bag frame by frame; needs no master. Colour (rgb8, bgr8, rgba8, bgra8, mono8) and registered depth
-/// (32FC1 metres, 16UC1 millimetres) are paired by their header stamps as in a TUM folder. Ground truth is the tf chain
-/// from `world` to the colour image's frame, if the bag has one; true masks come from kMaskTopic.
+/// (32FC1 metres, 16UC1 millimetres) are paired by their header stamps as in a TUM folder. Ground truth comes from
+/// kPoseTopic, else from the tf chain from `world` to the colour image's frame; true masks come from kMaskTopic.
 class BagSource : public FrameSource {
  public:
   /// @param camera  null: from the bag's camera_info

@@ -32,7 +32,12 @@ class RecordingBag {
   void writeDepth(Stamp stamp, const cv::Mat1f& depth_m);
   /// @param mask  255 = moving
   void writeMask(Stamp stamp, const cv::Mat1b& mask);
+  /// @param labels  class indices
+  void writeLabels(Stamp stamp, const cv::Mat1b& labels);
+  /// To /tf, as the benchmark does.
   void writeTruePose(Stamp stamp, const SE3& T_world_camera);
+  /// To /groundtruth/pose.
+  void writePoseMessage(Stamp stamp, const SE3& T_world_camera);
   void close();
   const std::string& path() const { return file_.path(); }
 

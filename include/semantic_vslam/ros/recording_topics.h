@@ -22,6 +22,11 @@ inline const std::string kTumDepthInfoTopic = "/camera/depth/camera_info";
 inline const std::string kTumWorldFrame = "/world", kTumOpticalFrame = "/openni_rgb_optical_frame";
 /// True mask of what moves, mono8, 255 = moving, with the stamp of the colour image.
 inline const std::string kMaskTopic = "/groundtruth/mask";
+/// True class indices, mono8, with the stamp of the colour image; rendered recordings have them.
+inline const std::string kLabelsTopic = "/groundtruth/labels";
+/// True pose of the optical frame, geometry_msgs/PoseStamped: a recording that is played into the nodelets keeps it off
+/// /tf, which they write.
+inline const std::string kPoseTopic = "/groundtruth/pose";
 
 /// The topics of the benchmark, of the RealSense and of the Kinect drivers, in the order in which they are looked for.
 const std::vector<RecordingTopics>& knownTopics();

@@ -22,8 +22,6 @@ using synthetic::PersonSpec;
 using synthetic::RoomSpec;
 using synthetic::Side;
 
-constexpr double kLookAheadM = 4.0;
-
 CameraKnot lookAt(const Vector3d& position_m, const Vector3d& target_m) {
   const Vector3d way = target_m - position_m;
   return {position_m, std::atan2(way.y(), way.x()), std::atan2(way.z(), way.head<2>().norm())};
@@ -120,8 +118,8 @@ Scenario makeWalking(Director& director) {
   auto& first = director.addPerson({near_x, -1.75}, M_PI / 2);
   first.script.push_back(PersonAction::wait(director.between(1.0, 2.0)));
   director.pace(first, {near_x, -1.75}, {near_x, 1.75}, 0.25);
-  auto& second = director.addPerson({far_x, 1.75}, -M_PI / 2);
-  second.script.push_back(PersonAction::wait(director.between(2.0, 4.0)));
+  // In view and on the move from the first frame on: the first map must do without people, too.
+  auto& second = director.addPerson({far_x, director.between(0.6, 0.9)}, -M_PI / 2);
   director.pace(second, {far_x, 1.75}, {far_x, -1.75}, 0.35);
   return director.scenario();
 }
@@ -438,9 +436,11 @@ Scenario makeRandomView(std::uint64_t seed) {
       director.addProp(PropSpec::Kind::kCarton, {0.42, 0.0, 0.86}, 0.0, static_cast<int>(scenario.people.size()) - 1);
     }
     // Walks for a moment before the picture is taken, so that every phase of a stride is seen.
-    person.start_m -= Vector2d(std::cos(heading), std::sin(heading)) * (director.chance(0.6) ? kLookAheadM : 0.0);
-    person.script = {PersonAction::walkTo(place.x() + 2 * kLookAheadM * std::cos(heading),
-                                          place.y() + 2 * kLookAheadM * std::sin(heading))};
+    if (director.chance(0.4)) continue;  // stands
+    const double approach_m = person.speed_mps * (kRandomViewTimeS - director.between(0.4, 0.7));
+    person.start_m -= Vector2d(std::cos(heading), std::sin(heading)) * approach_m;
+    const Vector2d beyond = place + 4.0 * Vector2d(std::cos(heading), std::sin(heading));
+    person.script = {PersonAction::walkTo(beyond.x(), beyond.y())};
   }
   return scenario;
 }

@@ -22,10 +22,16 @@ cv::Mat1b unite(const cv::Mat1b& dynamic, const cv::Mat1b& removal) {
 }  // namespace
 
 SlamSystem::SlamSystem(const SystemConfig& config, Mode mode)
+    : SlamSystem(config, mode, SegmentationStage(config.segmentation)) {}
+
+SlamSystem::SlamSystem(const SystemConfig& config, Mode mode, std::unique_ptr<Segmenter> segmenter)
+    : SlamSystem(config, mode, SegmentationStage(config.segmentation, std::move(segmenter))) {}
+
+SlamSystem::SlamSystem(const SystemConfig& config, Mode mode, SegmentationStage segmentation)
     : config_(config),
       mode_(mode),
       motion_(config.motion),
-      segmentation_(config.segmentation),
+      segmentation_(std::move(segmentation)),
       slam_(config.slam, mode),
       dense_(config.dense, segmentation_.labels()),
       keyframe_jobs_(kKeyframeJobs, QueuePolicy::kBlock) {

@@ -41,9 +41,8 @@ SparseStep SparseSlam::step(const RgbdFrame& frame, const cv::Mat1b& dynamic, St
       maintain(*id, times);
     } else {
       ++pending_;
-      worker_times_ = &times;
       if (queue_.size() > 0) abort_ba_ = true;  // the worker falls behind: a newer bundle takes over
-      queue_.push(*id);
+      queue_.push({*id, &times});
     }
   }
   return step;
@@ -103,8 +102,8 @@ void SparseSlam::applyLocked(const MapSolution& solution, std::uint64_t version)
 }
 
 void SparseSlam::work() {
-  while (const auto keyframe = queue_.pop()) {
-    maintain(*keyframe, *worker_times_);
+  while (const auto upkeep = queue_.pop()) {
+    maintain(upkeep->keyframe, *upkeep->times);
     std::lock_guard<std::mutex> lock(mutex_);
     --pending_;
     idle_.notify_all();

@@ -68,11 +68,25 @@ cv::Point seedOf(const std::vector<cv::Point>& with_depth, const cv::Point2d& ce
                            [&squared](const cv::Point& a, const cv::Point& b) { return squared(a) < squared(b); });
 }
 
+/// Median of the depths that are not 0; 0 if there are none.
+float medianDepth(const cv::Mat3f& points_m, const int* begin, const int* end) {
+  std::vector<float> depths;
+  depths.reserve(end - begin);
+  for (const int* i = begin; i != end; ++i) {
+    const float z = points_m.ptr<cv::Vec3f>()[*i][2];
+    if (z > 0.0F) depths.push_back(z);
+  }
+  if (depths.empty()) return 0.0F;
+  std::nth_element(depths.begin(), depths.begin() + depths.size() / 2, depths.end());
+  return depths[depths.size() / 2];
+}
+
 /// What is known of one connected mask before it is grown.
 struct Mask {
   bool has_depth = false;
   cv::Point seed;
-  float squared_threshold_m2 = 0.0F;  ///< T^2 of eq. (4); infinite where no rho could be taken
+  float squared_threshold_m2 = 0.0F;  ///< T^2 of eq. (4) at median_depth_m; infinite where no rho could be taken
+  float median_depth_m = 0.0F;
 };
 
 Mask prepareMask(const ConnectedRegions& masks, int mask_id, const int* begin, const int* end,
@@ -88,6 +102,7 @@ Mask prepareMask(const ConnectedRegions& masks, int mask_id, const int* begin, c
   Mask mask;
   mask.has_depth = !with_depth.empty();
   if (!mask.has_depth) return mask;
+  mask.median_depth_m = medianDepth(points_m, begin, end);
   mask.seed = seedOf(with_depth, centroidByMoments(pixels));
   Rng rng(static_cast<std::uint64_t>(config.seed));
   const double rho_m =
@@ -120,14 +135,6 @@ int borderPixels(const ConnectedRegions& parts, const int* begin, const int* end
     if (!inside) ++border;
   }
   return border;
-}
-
-float medianDepth(const cv::Mat3f& points_m, const int* begin, const int* end) {
-  std::vector<float> depths;
-  depths.reserve(end - begin);
-  for (const int* i = begin; i != end; ++i) depths.push_back(points_m.ptr<cv::Vec3f>()[*i][2]);
-  std::nth_element(depths.begin(), depths.begin() + depths.size() / 2, depths.end());
-  return depths[depths.size() / 2];
 }
 
 std::vector<Region> describeRegions(const ConnectedRegions& parts, const PixelLists& lists,
@@ -271,7 +278,10 @@ cv::Mat1b refineOnDepth(const cv::Mat1b& labels, const LabelSet& label_set, cons
         if (mask_of[a] != mask_of[b]) return false;
         const bool hole_a = point[a][2] == 0.0F, hole_b = point[b][2] == 0.0F;
         if (hole_a || hole_b) return hole_a && hole_b;
-        return squaredDistance(point[a], point[b]) < prepared[mask_of[a]].squared_threshold_m2;
+        // Pixels of a farther part lie farther apart: the threshold grows with them.
+        const Mask& mask = prepared[mask_of[a]];
+        const float farther = std::max(1.0F, std::min(point[a][2], point[b][2]) / mask.median_depth_m);
+        return squaredDistance(point[a], point[b]) < mask.squared_threshold_m2 * farther * farther;
       });
   const PixelLists part_pixels = listPixels(parts);
   const std::vector<Region> regions = describeRegions(parts, part_pixels, masks, points_m, labels, label_set);

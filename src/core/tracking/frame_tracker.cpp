@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/tracking/frame_tracker.h"
 
+#include <algorithm>
+
 #include "semantic_vslam/core/features/matcher.h"
 
 namespace semantic_vslam {
@@ -15,13 +17,23 @@ PoseProblem startProblem(const TrackedFrame& frame, const SE3& T_camera_world, c
   return problem;
 }
 
-PoseObservation makeObservation(const Feature& feature, const Eigen::Vector3d& point_world) {
+// What has stood still for a second is worth more than what was seen for the first time: somebody who stopped and walks
+// on must not outvote the room. A new point keeps a fifth of its weight, since on new ground there is nothing else.
+constexpr double kTrustedSightings = 30.0;
+constexpr double kLeastTrust = 0.2;
+
+double trustOf(const Landmark& landmark) {
+  return std::clamp(landmark.found_count / kTrustedSightings, kLeastTrust, 1.0);
+}
+
+/// @param trust  scales the observation's weight, 0..1
+PoseObservation makeObservation(const Feature& feature, const Eigen::Vector3d& point_world, double trust) {
   PoseObservation observation;
   observation.point_world = point_world;
   observation.undistorted_px = feature.undistorted_px.cast<double>();
   observation.depth_m = feature.depth_m;
   observation.sigma_px = pyramidScale(feature.octave);
-  observation.weight = feature.static_weight;
+  observation.weight = feature.static_weight * trust;
   return observation;
 }
 
@@ -29,6 +41,7 @@ PoseObservation makeObservation(const Feature& feature, const Eigen::Vector3d& p
 struct Source {
   LandmarkId landmark;  ///< invalid: a point with depth that is no landmark
   Eigen::Vector3d point_world;
+  double trust = kLeastTrust;
   int feature = 0;  ///< index in the last frame
 };
 
@@ -37,9 +50,9 @@ std::vector<Source> collectSources(const Map& map, const TrackedFrame& last) {
   const SE3 T_world_last = last.T_camera_world.inverse();
   for (int i = 0; i < static_cast<int>(last.features->size()); ++i) {
     if (const Landmark* landmark = map.landmark(last.landmarks[i])) {
-      sources.push_back({landmark->id, landmark->position_world, i});
+      sources.push_back({landmark->id, landmark->position_world, trustOf(*landmark), i});
     } else if (last.feature(i).depth_m > 0.0F) {
-      sources.push_back({LandmarkId(), T_world_last * last.pointInCamera(i), i});
+      sources.push_back({LandmarkId(), T_world_last * last.pointInCamera(i), kLeastTrust, i});
     }
   }
   return sources;
@@ -105,8 +118,8 @@ PoseEstimate trackFromLastFrame(const Map& map, const TrackedFrame& last, const 
 
   PoseProblem problem = startProblem(current, predicted_T_camera_world, config);
   for (const auto& match : matches) {
-    problem.observations.push_back(
-        makeObservation(current.feature(match.feature), sources[source_of_query[match.query]].point_world));
+    const Source& source = sources[source_of_query[match.query]];
+    problem.observations.push_back(makeObservation(current.feature(match.feature), source.point_world, source.trust));
   }
   const PoseSolution solution = optimizePose(problem, config.pose);
   if (solution.usable) {
@@ -145,7 +158,7 @@ PoseEstimate refinePose(const Map& map, const FrameTrackerConfig& config, Tracke
       continue;
     }
     matched.push_back(i);
-    problem.observations.push_back(makeObservation(current.feature(i), landmark->position_world));
+    problem.observations.push_back(makeObservation(current.feature(i), landmark->position_world, trustOf(*landmark)));
   }
   const PoseSolution solution = optimizePose(problem, config.pose);
   if (solution.usable) {

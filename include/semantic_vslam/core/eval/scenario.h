@@ -64,7 +64,9 @@ std::vector<std::pair<std::string, std::string>> listScenarios();
 /// @throws ConfigError if there is no such scenario (the message lists them) or duration_s is negative or not finite.
 Scenario makeScenario(const std::string& name, std::uint64_t seed, double duration_s = 0.0);
 
-/// One random room, camera, light and handful of people in random poses, for training data: render it at time 0.
+/// When to render a random view: its people have walked a few steps by then and are in any phase of a stride.
+constexpr double kRandomViewTimeS = 5.0;
+/// One random room, camera, light and handful of people in random poses, for training data.
 Scenario makeRandomView(std::uint64_t seed);
 
 }  // namespace semantic_vslam

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <deque>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -39,6 +40,8 @@ class SlamSystem {
 
   /// Opens the network, if one is configured. @throws ConfigError, ModelError
   SlamSystem(const SystemConfig& config, Mode mode);
+  /// @param segmenter  used in place of the configured network
+  SlamSystem(const SystemConfig& config, Mode mode, std::unique_ptr<Segmenter> segmenter);
   ~SlamSystem();
   SlamSystem(const SlamSystem&) = delete;
   SlamSystem& operator=(const SlamSystem&) = delete;
@@ -46,7 +49,8 @@ class SlamSystem {
   /// @param frame  stamps must grow; a frame whose stamp does not is passed over with a warning
   StepResult step(const RgbdFrame& frame);
 
-  /// Waits for the workers and brings the dense map to the keyframes' last poses. Call before reading results.
+  /// Waits for the workers and brings the dense map to the keyframes' last poses. Call before reading results; no
+  /// step() after it.
   void finish();
 
   const SparseSlam& slam() const { return slam_; }
@@ -69,6 +73,8 @@ class SlamSystem {
     Stamp stamp;
     cv::Mat1b labels;
   };
+
+  SlamSystem(const SystemConfig& config, Mode mode, SegmentationStage segmentation);
 
   void takeLateLabels(Stamp now);
   /// People and moving objects of the labels, 255; empty without labels.

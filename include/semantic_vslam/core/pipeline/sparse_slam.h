@@ -58,6 +58,7 @@ class SparseSlam {
   SparseSlam& operator=(const SparseSlam&) = delete;
 
   /// @param dynamic  height x width, probability that a pixel moves, 0..255; empty = all static
+  /// @param times    must outlive this object in the background mode
   SparseStep step(const RgbdFrame& frame, const cv::Mat1b& dynamic, StageTimes& times);
 
   /// Waits until the worker has dealt with every keyframe so far. Nothing to do in the synchronous mode.
@@ -75,6 +76,12 @@ class SparseSlam {
   std::vector<Eigen::Vector3d> landmarkPositions() const;
 
  private:
+  /// A keyframe whose surroundings are to be maintained, and where to report the time.
+  struct Upkeep {
+    KeyframeId keyframe;
+    StageTimes* times;
+  };
+
   SparseStep trackLocked(const TrackedFrame& frame);
   KeyframeId insertLocked(const TrackedFrame& frame);
   void maintain(KeyframeId keyframe, StageTimes& times);
@@ -93,8 +100,7 @@ class SparseSlam {
   std::atomic<bool> abort_ba_{false};
   std::atomic<int> pending_{0};  ///< keyframes queued or in work
   std::condition_variable idle_;
-  StageTimes* worker_times_ = nullptr;  // guarded by mutex_
-  BoundedQueue<KeyframeId> queue_;
+  BoundedQueue<Upkeep> queue_;
   std::thread worker_;  ///< last member: starts when all else is there, joined first
 };
 

@@ -14,7 +14,7 @@ namespace semantic_vslam {
 
 struct RefinementConfig {
   bool enabled = true;
-  double epsilon = 4.0;
+  double epsilon = 2.0;
   int samples = 100;
   std::string average = "median";
   int seed = 1;
@@ -62,6 +62,7 @@ double neighbourDistance(const cv::Mat1i& mask, int mask_id, const std::vector<c
 /// - a part that the growth cannot reach (an arm before the body, a person behind a chair's leg) is grown from a seed
 ///   of its own and stays if it is large and thick enough and about as far away (min_region_share, min_thickness_px,
 ///   object_depth_m). If the centroid fell on something small, the mask's largest region takes the seed's place;
+/// - T holds at the mask's median depth and grows with depth beyond it, as the pixels' own spacing does;
 /// - pixels without depth stay where most of the pixels around their hole stay; a mask without any depth stays whole.
 ///
 /// @param labels  height x width, indices into label_set; @param frame  of the same size

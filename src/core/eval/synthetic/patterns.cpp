@@ -19,9 +19,11 @@ int pick(Rng& rng, int low, int high) { return low + static_cast<int>(rng.below(
 /// One colour times (1 + contrast * pattern), plus fine speckle.
 cv::Mat3b toned(const cv::Scalar& color, const cv::Mat1f& pattern, float contrast, float speckle, Rng& rng) {
   cv::Mat3b image(pattern.size());
+  std::uint64_t state = rng.below(1ULL << 62);  // a linear congruential generator is good enough for grain, and fast
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {
-      const float grain = speckle * static_cast<float>(rng.uniform(-1, 1));
+      state = state * 6364136223846793005ULL + 1442695040888963407ULL;
+      const float grain = speckle * (static_cast<float>(state >> 40) * 0x1.0p-23F - 1.0F);
       const float factor = 1.0F + contrast * pattern(y, x) + grain;
       for (int c = 0; c < 3; ++c) image(y, x)[c] = cv::saturate_cast<std::uint8_t>(color[c] * factor);
     }
@@ -132,6 +134,12 @@ cv::Scalar randomColor(Rng& rng, double saturation_low, double saturation_high, 
   return {static_cast<double>(bgr(0)[0]), static_cast<double>(bgr(0)[1]), static_cast<double>(bgr(0)[2])};
 }
 
+cv::Scalar colorFrom(const std::vector<cv::Scalar>& palette, Rng& rng) {
+  cv::Scalar color = palette[rng.below(palette.size())] * rng.uniform(0.88, 1.1);
+  for (int c = 0; c < 3; ++c) color[c] = std::min(250.0, color[c] * rng.uniform(0.94, 1.06));
+  return color;
+}
+
 cv::Mat1f fractalNoise(const cv::Size& size, int cells_x, int cells_y, int octaves, float gain, Rng& rng) {
   constexpr int kMargin = 2;  // cells, enough for cubic interpolation across the seam
   cv::Mat1f sum(size, 0.0F);
@@ -175,15 +183,15 @@ cv::Mat3b paintedWall(const cv::Scalar& color, Rng& rng) {
 
 cv::Mat3b brickWall(const cv::Scalar& color, Rng& rng) {
   cv::Mat3b image = toned({150, 155, 160}, fractalNoise({512, 512}, 16, 16, 5, 0.8F, rng), 0.06F, 0.03F, rng);
-  constexpr int kRows = 8, kColumns = 4, kHeight = 64, kWidth = 128;
+  constexpr int kRows = 16, kColumns = 8, kHeight = 32, kWidth = 64;
   for (int row = 0; row < kRows; ++row) {
     for (int column = 0; column < kColumns; ++column) {
       const cv::Scalar tone = darker(color, rng.uniform(0.75, 1.2));
-      cv::Mat3b brick = toned(tone, fractalNoise({256, 128}, 4, 4, 6, 0.8F, rng), 0.08F, 0.04F, rng);
-      brick = brick(cv::Rect(0, 0, kWidth - 8, kHeight - 8)).clone();
+      cv::Mat3b brick = toned(tone, fractalNoise({64, 32}, 2, 2, 5, 0.8F, rng), 0.08F, 0.04F, rng);
+      brick = brick(cv::Rect(0, 0, kWidth - 5, kHeight - 5)).clone();
       const int x0 = column * kWidth + (row & 1) * kWidth / 2;
       for (int y = 0; y < brick.rows; ++y) {
-        for (int x = 0; x < brick.cols; ++x) image(row * kHeight + y + 4, (x0 + x + 4) & 511) = brick(y, x);
+        for (int x = 0; x < brick.cols; ++x) image(row * kHeight + y + 2, (x0 + x + 2) & 511) = brick(y, x);
       }
     }
   }

@@ -18,6 +18,30 @@ constexpr int kTilePx = 16;
 constexpr float kNearM = 0.08F;
 constexpr float kNoHit = std::numeric_limits<float>::max();
 
+/// The part x^2 + y^2 = (middle + slope z)^2 of a cone between z_low and z_high. The side of a frustum, or the surface
+/// that touches both spheres of a rounded cone; its normal is (cosine * radial, sine).
+struct Cone {
+  float middle = 0, slope = 0, z_low = 0, z_high = 0, sine = 0, cosine = 1;
+};
+
+Cone coneOf(const Primitive& p) {
+  Cone cone;
+  if (p.shape == Shape::kFrustum) {
+    cone.middle = 0.5F * (p.radius_end + p.radius_start);
+    cone.slope = 0.5F * (p.radius_end - p.radius_start);
+    cone.z_low = -1.0F;
+    cone.z_high = 1.0F;
+  } else if (p.shape == Shape::kRoundedCone) {
+    cone.sine = std::clamp((p.radius_start - p.radius_end) / p.length, -1.0F, 1.0F);
+    cone.cosine = std::sqrt(1.0F - cone.sine * cone.sine);
+    cone.z_low = p.radius_start * cone.sine;
+    cone.z_high = p.length + p.radius_end * cone.sine;
+    cone.slope = -cone.sine / std::max(cone.cosine, 1e-3F);
+    cone.middle = p.radius_start * cone.cosine - cone.slope * cone.z_low;
+  }
+  return cone;
+}
+
 /// A solid as the rays of one frame meet it: ray (x, y, 1) * t + camera centre, in local units. t is depth in metres.
 struct Target {
   Matrix3f local_from_ray;
@@ -25,6 +49,7 @@ struct Target {
   const Primitive* primitive = nullptr;
   Vector2f ray_low, ray_high;  // x/z, y/z it may cover
   float nearest_m = 0.0F;      // no hit is nearer
+  Cone side;                   // of a frustum or rounded cone
 };
 
 struct Hit {
@@ -63,25 +88,25 @@ float intersectSphere(const Vector3f& o, const Vector3f& d, float z, float radiu
   return t > kNearM ? t : kNoHit;
 }
 
-/// First hit of the cone x^2 + y^2 = (middle + slope z)^2 between z_low and z_high, from outside.
-float intersectCone(const Vector3f& o, const Vector3f& d, float middle, float slope, float z_low, float z_high) {
-  const float r0 = middle + slope * o.z(), dr = slope * d.z();
+/// First hit of a cone's side from outside.
+float intersectCone(const Vector3f& o, const Vector3f& d, const Cone& cone) {
+  const float r0 = cone.middle + cone.slope * o.z(), dr = cone.slope * d.z();
   const float a = d.x() * d.x() + d.y() * d.y() - dr * dr;
   const float b = o.x() * d.x() + o.y() * d.y() - r0 * dr;
   const float c = o.x() * o.x() + o.y() * o.y() - r0 * r0;
   const float discriminant = b * b - a * c;
   if (discriminant < 0.0F || std::abs(a) < 1e-12F) return kNoHit;
-  const float root = std::sqrt(discriminant);
-  for (const float t : {std::min((-b - root) / a, (-b + root) / a), std::max((-b - root) / a, (-b + root) / a)}) {
+  const float root = std::sqrt(discriminant), inverse = 1.0F / a;
+  const float t1 = (-b - root) * inverse, t2 = (-b + root) * inverse;
+  for (const float t : {std::min(t1, t2), std::max(t1, t2)}) {
     const float z = o.z() + t * d.z();
-    if (t > kNearM && z >= z_low && z <= z_high && middle + slope * z >= 0.0F) return t;
+    if (t > kNearM && z >= cone.z_low && z <= cone.z_high && cone.middle + cone.slope * z >= 0.0F) return t;
   }
   return kNoHit;
 }
 
-float intersectFrustum(const Primitive& p, const Vector3f& o, const Vector3f& d, int& face) {
-  const float middle = 0.5F * (p.radius_end + p.radius_start), slope = 0.5F * (p.radius_end - p.radius_start);
-  float nearest = intersectCone(o, d, middle, slope, -1.0F, 1.0F);
+float intersectFrustum(const Primitive& p, const Cone& cone, const Vector3f& o, const Vector3f& d, int& face) {
+  float nearest = intersectCone(o, d, cone);
   face = 0;
   const bool from_below = d.z() > 0.0F;
   const float t = ((from_below ? -1.0F : 1.0F) - o.z()) / d.z();
@@ -94,23 +119,11 @@ float intersectFrustum(const Primitive& p, const Vector3f& o, const Vector3f& d,
   return nearest;
 }
 
-/// Where the cone that touches both spheres of a rounded cone starts and ends.
-struct Tangent {
-  float sine, cosine, z_low, z_high;
-};
-Tangent tangentOf(const Primitive& p) {
-  const float sine = std::clamp((p.radius_start - p.radius_end) / p.length, -1.0F, 1.0F);
-  return {sine, std::sqrt(1.0F - sine * sine), p.radius_start * sine, p.length + p.radius_end * sine};
-}
-
-float intersectRoundedCone(const Primitive& p, const Vector3f& o, const Vector3f& d) {
-  const Tangent tangent = tangentOf(p);
+float intersectRoundedCone(const Primitive& p, const Cone& cone, const Vector3f& o, const Vector3f& d) {
   const float spheres =
       std::min(intersectSphere(o, d, 0.0F, p.radius_start), intersectSphere(o, d, p.length, p.radius_end));
-  if (tangent.cosine < 1e-3F) return spheres;  // one sphere holds the other
-  const float slope = -tangent.sine / tangent.cosine;
-  const float middle = p.radius_start * tangent.cosine - slope * tangent.z_low;
-  return std::min(spheres, intersectCone(o, d, middle, slope, tangent.z_low, tangent.z_high));
+  if (cone.cosine < 1e-3F) return spheres;  // one sphere holds the other
+  return std::min(spheres, intersectCone(o, d, cone));
 }
 
 float intersect(const Target& target, float ray_x, float ray_y, int& face) {
@@ -120,8 +133,8 @@ float intersect(const Target& target, float ray_x, float ray_y, int& face) {
   switch (target.primitive->shape) {
     case Shape::kBox: return intersectBox(target.origin, d, face);
     case Shape::kEllipsoid: return intersectSphere(target.origin, d, 0.0F, 1.0F);
-    case Shape::kFrustum: return intersectFrustum(*target.primitive, target.origin, d, face);
-    case Shape::kRoundedCone: return intersectRoundedCone(*target.primitive, target.origin, d);
+    case Shape::kFrustum: return intersectFrustum(*target.primitive, target.side, target.origin, d, face);
+    case Shape::kRoundedCone: return intersectRoundedCone(*target.primitive, target.side, target.origin, d);
   }
   return kNoHit;
 }
@@ -170,6 +183,7 @@ std::vector<Target> makeTargets(const Scene& scene, const Primitives& moving, co
     target.local_from_ray = local_from_world * R_world_camera;
     target.origin = local_from_world * (center - p.T_world_local.translation());
     target.primitive = &p;
+    target.side = coneOf(p);
   }
   return targets;
 }
@@ -195,19 +209,18 @@ Surface surfaceAt(const Target& target, const Hit& hit, float ray_x, float ray_y
   } else if (p.shape == Shape::kEllipsoid) {
     s.normal_local = s.local;
   } else if (p.shape == Shape::kFrustum) {
-    const float slope = 0.5F * (p.radius_end - p.radius_start);
-    s.normal_local = {s.local.x(), s.local.y(), -slope * s.local.head<2>().norm()};
+    s.normal_local = {s.local.x(), s.local.y(), -target.side.slope * s.local.head<2>().norm()};
   } else {
-    const Tangent tangent = tangentOf(p);
+    const Cone& cone = target.side;
     const float radial = std::max(s.local.head<2>().norm(), 1e-6F);
     // Which part was hit: the point's foot on the axis, along the cone's normal, tells.
-    const float foot = s.local.z() - radial * tangent.sine / std::max(tangent.cosine, 1e-3F);
+    const float foot = s.local.z() - radial * cone.sine / std::max(cone.cosine, 1e-3F);
     if (foot <= 0.0F) {
       s.normal_local = s.local;
     } else if (foot >= p.length) {
       s.normal_local = s.local - Vector3f(0, 0, p.length);
     } else {
-      s.normal_local = {s.local.x() / radial * tangent.cosine, s.local.y() / radial * tangent.cosine, tangent.sine};
+      s.normal_local = {s.local.x() / radial * cone.cosine, s.local.y() / radial * cone.cosine, cone.sine};
     }
   }
   return s;
@@ -231,7 +244,25 @@ SurfaceMap mapFlat(const Primitive& p, const Vector3f& local, int face) {
   }
 }
 
+/// Cushions, leaves and slabs are seen flat-on: their texture is projected along the thin axis, not wound round it.
+bool isFlat(const Primitive& p, int& thin_axis) {
+  const Vector3f reach =
+      p.shape == Shape::kEllipsoid ? p.scale : Vector3f(p.scale * std::max(p.radius_start, p.radius_end));
+  const float thin = p.shape == Shape::kEllipsoid ? reach.minCoeff(&thin_axis) : reach.head<2>().minCoeff(&thin_axis);
+  return thin < 0.4F * reach.head<2>().maxCoeff();
+}
+
+SurfaceMap mapProjected(const Primitive& p, const Vector3f& local, int thin_axis) {
+  const int u_axis = thin_axis == 0 ? 1 : 0, v_axis = thin_axis == 2 ? 1 : 2;
+  const auto corners = p.localCorners();
+  const Vector3f low = corners.front(), high = corners.back();
+  const Vector3f at = p.scale.cwiseProduct(local - low), extent = p.scale.cwiseProduct(high - low);
+  return {{at[u_axis], at[v_axis]}, {extent[u_axis], extent[v_axis]}};
+}
+
 SurfaceMap mapRound(const Primitive& p, const Vector3f& local, float repeat_m) {
+  int thin_axis = 0;
+  if (p.shape != Shape::kFrustum && isFlat(p, thin_axis)) return mapProjected(p, local, thin_axis);
   const float turn = std::atan2(local.y(), local.x()) / static_cast<float>(2.0 * M_PI) + 0.5F;  // front (+x) = 0.5
   float radius_m = 0.5F * (p.radius_start + p.radius_end) * 0.5F * (p.scale.x() + p.scale.y());
   float v_m = (1.0F - local.z()) * p.scale.z(), height_m = 2.0F * p.scale.z();
@@ -298,7 +329,7 @@ class Shader {
                                    extent_m.y() / static_cast<float>(texture.height()));
     const float across_m = hit.depth_m * pixel_rad_;
     const float slant = std::max(std::abs(normal.dot(view)) / view.norm(), 0.05F);
-    const int taps = std::clamp(static_cast<int>(1.0F / slant + 0.3F), 1, 6);
+    const int taps = std::clamp(static_cast<int>(1.0F / slant + 0.3F), 1, 4);
     const float along_m = across_m / slant;
     const float level = std::log2(std::max(std::max(across_m, along_m / static_cast<float>(taps)) / texel_m, 1.0F));
     if (taps == 1) return lookUp(map.position_m, level);
@@ -317,7 +348,8 @@ class Shader {
                     const Vector3f& view) const {
     // Sky-like ambient light: more from above, and a little more from one side, so that no two walls are equal.
     const float occlusion = 0.78F + 0.16F * normal.z() + 0.06F * normal.x();
-    const float near_floor = 1.0F - 0.25F * std::exp(-std::max(point.z(), 0.0F) / 0.25F) * (1.0F - normal.z());
+    const float near_floor =
+        point.z() > 1.0F ? 1.0F : 1.0F - 0.25F * std::exp(-std::max(point.z(), 0.0F) / 0.25F) * (1.0F - normal.z());
     cv::Vec3f light = lighting_.ambient * (occlusion * near_floor);
     for (const auto& lamp : lighting_.lamps) {
       if (!lamp.reaches(point)) continue;
@@ -399,7 +431,18 @@ bool onOutline(const HitImage& hits, const cv::Size& size, int u, int v) {
          (v + 1 < size.height && !hit.sameSurface(hits[at + size.width]));
 }
 
-/// Mean of four rays inside the pixel (rotated grid).
+/// Nearest of the candidate solids along one ray.
+Hit castOne(const std::vector<Target>& targets, const std::array<int, 9>& candidates, int count, const cv::Vec2f& ray) {
+  Hit nearest;
+  for (int i = 0; i < count; ++i) {
+    int face;
+    const float depth_m = intersect(targets[candidates[i]], ray[0], ray[1], face);
+    if (depth_m < nearest.depth_m) nearest = {depth_m, candidates[i], face};
+  }
+  return nearest;
+}
+
+/// Four rays inside the pixel (rotated grid) find the surfaces; each is shaded once and weighs as many rays as hit it.
 cv::Vec3f shadeOutline(const std::vector<Target>& targets, const Shader& shader, const HitImage& hits,
                        const cv::Mat2f& rays, int u, int v) {
   static constexpr float kOffsets[4][2] = {{-0.125F, -0.375F}, {0.375F, -0.125F}, {-0.375F, 0.125F}, {0.125F, 0.375F}};
@@ -408,19 +451,21 @@ cv::Vec3f shadeOutline(const std::vector<Target>& targets, const Shader& shader,
   const cv::Vec2f center = rays(v, u);
   const cv::Vec2f step_u = u + 1 < rays.cols ? rays(v, u + 1) - center : center - rays(v, u - 1);
   const cv::Vec2f step_v = v + 1 < rays.rows ? rays(v + 1, u) - center : center - rays(v - 1, u);
-  cv::Vec3f sum(0, 0, 0);
-  for (const auto& offset : kOffsets) {
-    const cv::Vec2f ray = center + step_u * offset[0] + step_v * offset[1];
-    Hit nearest;
-    for (int i = 0; i < count; ++i) {
-      int face;
-      const float depth_m = intersect(targets[candidates[i]], ray[0], ray[1], face);
-      if (depth_m < nearest.depth_m) nearest = {depth_m, candidates[i], face};
-    }
-    if (nearest.target < 0) nearest = hits[static_cast<std::size_t>(v) * rays.cols + u];
-    sum += shader.shade(nearest, ray[0], ray[1]);
+  std::array<Hit, 4> found;
+  std::array<cv::Vec2f, 4> found_rays;
+  for (int i = 0; i < 4; ++i) {
+    found_rays[i] = center + step_u * kOffsets[i][0] + step_v * kOffsets[i][1];
+    found[i] = castOne(targets, candidates, count, found_rays[i]);
+    if (found[i].target < 0) found[i] = hits[static_cast<std::size_t>(v) * rays.cols + u];
   }
-  return sum * 0.25F;
+  cv::Vec3f sum(0, 0, 0);
+  for (int i = 0; i < 4; ++i) {
+    const auto same = [&](const Hit& other) { return other.sameSurface(found[i]); };
+    if (std::any_of(found.begin(), found.begin() + i, same)) continue;  // shaded already
+    const auto weight = static_cast<float>(std::count_if(found.begin() + i, found.end(), same));
+    sum += shader.shade(found[i], found_rays[i][0], found_rays[i][1]) * (0.25F * weight);
+  }
+  return sum;
 }
 
 }  // namespace

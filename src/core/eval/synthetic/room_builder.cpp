@@ -77,11 +77,31 @@ class RoomBuilder {
   }
 
   cv::Mat3b wallTexture() {
-    const cv::Scalar color = randomColor(rng_, 8, 70, 170, 235);
-    switch (rng_.below(4)) {
-      case 0: return brickWall(randomColor(rng_, 30, 110, 130, 215), rng_);
+    const cv::Scalar color = colorFrom({{225, 228, 228},
+                                        {195, 220, 232},
+                                        {222, 212, 190},
+                                        {192, 212, 190},
+                                        {185, 200, 228},
+                                        {205, 205, 208},
+                                        {150, 190, 205},
+                                        {200, 175, 150}},
+                                       rng_);
+    switch (rng_.below(5)) {
+      case 0:
+        return brickWall(colorFrom({{75, 90, 150}, {110, 145, 185}, {195, 203, 208}, {120, 122, 126}}, rng_), rng_);
       case 1: return wallpaper(color, rng_);
       default: return paintedWall(color, rng_);
+    }
+  }
+
+  cv::Mat3b floorTexture() {
+    switch (rng_.below(3)) {
+      case 0: return woodFloor(colorFrom({{90, 130, 172}, {62, 92, 132}, {125, 165, 198}, {48, 68, 98}}, rng_), rng_);
+      case 1:
+        return carpet(colorFrom({{110, 110, 112}, {125, 105, 88}, {120, 150, 170}, {70, 90, 75}, {65, 60, 110}}, rng_),
+                      rng_);
+      default:
+        return floorTiles(colorFrom({{170, 190, 205}, {165, 165, 168}, {205, 210, 212}, {95, 125, 175}}, rng_), rng_);
     }
   }
 
@@ -89,13 +109,7 @@ class RoomBuilder {
     const auto w = static_cast<float>(spec_.size_m.x()), d = static_cast<float>(spec_.size_m.y()),
                h = static_cast<float>(spec_.size_m.z()), thick = static_cast<float>(kWallThicknessM);
     const Isometry3f T = pose(static_cast<float>(spec_.center_m.x()), static_cast<float>(spec_.center_m.y()), 0, 0);
-    cv::Mat3b ground;
-    switch (rng_.below(3)) {
-      case 0: ground = woodFloor(randomColor(rng_, 60, 140, 110, 190), rng_); break;
-      case 1: ground = carpet(randomColor(rng_, 15, 120, 80, 160), rng_); break;
-      default: ground = floorTiles(randomColor(rng_, 5, 60, 130, 210), rng_);
-    }
-    const int floor = workshop_.paint(ground, between(1.0, 1.5), 0.08F);
+    const int floor = workshop_.paint(floorTexture(), between(1.0, 1.5), 0.08F);
     const int ceiling = workshop_.paint(ceilingPanels(rng_), 1.25F);
     addSupport({makeBox({0, 0, -thick / 2}, {w + 2 * thick, d + 2 * thick, thick}, floor, kBackground)}, T);
     add({makeBox({0, 0, h + thick / 2}, {w + 2 * thick, d + 2 * thick, thick}, ceiling, kBackground)}, T);
@@ -136,12 +150,15 @@ class RoomBuilder {
     const int slots = static_cast<int>(usable / kSlotM);
     const float step = usable / static_cast<float>(slots);
     const bool desks = side == Side::kPlusX;
+    std::vector<float> taken;  // middles of the slots with furniture
     for (int i = 0; i < slots; ++i) {
       const float y = (static_cast<float>(i) + 0.5F) * step - usable / 2;
       const float shift = static_cast<float>(shift_rng_.uniform(-1, 1) * spec_.shift_m);
       if (!clearOfDoors(side, y, kSlotM / 2)) continue;
       furnishSlot(T * pose(0, y + shift, 0, 0), desks ? 0 : rng_.below(6));
+      taken.push_back(y + shift);
     }
+    fillGaps(side, taken);
     const float corner = wallLength(side) / 2 - 0.3F;
     if (clearOfDoors(side, corner, 0.3F)) {
       add(rng_.below(3) ? workshop_.plant(between(0.8, 1.4)) : workshop_.floorLamp(), T * pose(-0.32F, corner, 0, 0));
@@ -161,6 +178,21 @@ class RoomBuilder {
       default:
         add(workshop_.woodenChair(), T * pose(-0.35F, between(-0.3, 0.3), 0, kPi + between(-0.3, 0.3)));
         add(workshop_.wallBoard(between(1.1, 1.4), between(0.7, 0.9)), T * pose(0, 0, 1.55F, 0));
+    }
+  }
+
+  /// Small pictures and notices where a wall has neither furniture nor door.
+  void fillGaps(Side side, const std::vector<float>& taken) {
+    const Isometry3f T = wallFrame(side);
+    const float end = wallLength(side) / 2 - 0.3F;
+    for (float y = -end; y <= end; y += 0.55F) {
+      const bool occupied = std::any_of(taken.begin(), taken.end(),
+                                        [&](float middle) { return std::abs(middle - y) < kSlotM / 2 + 0.2F; });
+      if (occupied || !clearOfDoors(side, y, 0.2F)) continue;
+      const float height = between(0.35, 0.55), z = between(1.35, 1.6);
+      add(workshop_.wallPicture(height * between(0.6, 0.75), height), T * pose(0, y, z, 0));
+      if (rng_.below(2))
+        add(workshop_.wallPicture(0.3F, 0.2F), T * pose(0, y + between(-0.1, 0.1), z - height / 2 - 0.2F, 0));
     }
   }
 

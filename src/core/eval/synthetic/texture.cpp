@@ -12,12 +12,18 @@ namespace {
 
 [[maybe_unused]] bool isPowerOfTwo(int n) { return n > 0 && (n & (n - 1)) == 0; }
 
+/// std::floor is a library call on plain x86-64, and this runs millions of times a frame.
+int floorToInt(float x) {
+  const int truncated = static_cast<int>(x);
+  return truncated - (x < static_cast<float>(truncated) ? 1 : 0);
+}
+
 cv::Vec3f bilinear(const cv::Mat3b& image, float u, float v) {
   const float x = u * static_cast<float>(image.cols) - 0.5F, y = v * static_cast<float>(image.rows) - 0.5F;
-  const float x_floor = std::floor(x), y_floor = std::floor(y);
-  const float dx = x - x_floor, dy = y - y_floor;
-  const int x0 = static_cast<int>(x_floor) & (image.cols - 1), x1 = (x0 + 1) & (image.cols - 1);
-  const int y0 = static_cast<int>(y_floor) & (image.rows - 1), y1 = (y0 + 1) & (image.rows - 1);
+  const int x_floor = floorToInt(x), y_floor = floorToInt(y);
+  const float dx = x - static_cast<float>(x_floor), dy = y - static_cast<float>(y_floor);
+  const int x0 = x_floor & (image.cols - 1), x1 = (x0 + 1) & (image.cols - 1);
+  const int y0 = y_floor & (image.rows - 1), y1 = (y0 + 1) & (image.rows - 1);
   const cv::Vec3b* top = image.ptr<cv::Vec3b>(y0);
   const cv::Vec3b* bottom = image.ptr<cv::Vec3b>(y1);
   const float w00 = (1 - dx) * (1 - dy), w01 = dx * (1 - dy), w10 = (1 - dx) * dy, w11 = dx * dy;

@@ -215,20 +215,23 @@ void PersonBody::addTorso(Primitives& parts, float hip_z) const {
   const Vector3f hips(0, 0, hip_z + 0.015F * h), waist(0, 0, hip_z + 0.085F * h),
       chest(0.004F * h, 0, hip_z + 0.215F * h);
   parts.push_back(makeEllipsoid(hips, Vector3f(0.068F * wide, 0.098F * wide, 0.07F) * h, look_.trousers, kPerson));
-  parts.push_back(makeRoundedCone(waist - Vector3f(0, 0, 0.045F * h), 0.099F * h * wide * bulk, chest,
-                                  0.102F * h * wide * bulk, look_.shirt, kPerson, 0.64F * std::sqrt(belly_)));
-  parts.push_back(makeEllipsoid(waist + Vector3f(0.012F * h * belly_, 0, -0.01F * h),
-                                Vector3f(0.066F * belly_ * wide, 0.096F * wide, 0.09F) * h * bulk, look_.shirt,
-                                kPerson));
-  const float shoulder_z = hip_z + 0.285F * h;
-  parts.push_back(makeRoundedCone({0, -shoulder_ * h * 0.75F, shoulder_z - 0.012F * h}, 0.040F * h,
-                                  {0, shoulder_ * h * 0.75F, shoulder_z - 0.012F * h}, 0.040F * h, look_.shirt,
-                                  kPerson));
-  parts.push_back(makeRoundedCone({0, 0, hip_z + 0.24F * h}, 0.080F * h * wide,
-                                  {-0.005F * h, 0, shoulder_z + 0.01F * h}, 0.045F * h, look_.shirt, kPerson, 0.75F));
+  // The trunk from waist to chest, the breast up to the shoulders, and the shoulders with the slope of the neck.
+  const float waist_r = (0.082F + 0.010F * belly_) * wide * bulk, chest_r = 0.099F * wide * bulk;
+  parts.push_back(makeRoundedCone(waist - Vector3f(-0.004F * belly_ * h, 0, 0.04F * h), waist_r * h, chest, chest_r * h,
+                                  look_.shirt, kPerson, 0.52F + 0.14F * belly_));
+  const float shoulder_z = hip_z + 0.270F * h, reach = 0.78F * shoulder_ * h;
+  parts.push_back(
+      makeRoundedCone({0, -reach, shoulder_z}, 0.034F * h, {0, reach, shoulder_z}, 0.034F * h, look_.shirt, kPerson));
+  for (const float side : {-1.0F, 1.0F}) {
+    parts.push_back(makeRoundedCone({0, side * reach, shoulder_z + 0.004F * h}, 0.030F * h,
+                                    {-0.006F * h, side * 0.02F * h, shoulder_z + 0.032F * h}, 0.028F * h, look_.shirt,
+                                    kPerson));
+  }
+  parts.push_back(makeRoundedCone({0.004F * h, 0, hip_z + 0.225F * h}, 0.088F * h * wide,
+                                  {0, 0, shoulder_z + 0.004F * h}, 0.056F * h, look_.shirt, kPerson, 0.66F));
   parts.push_back(makeFrustum({0, 0, hip_z + 0.02F * h}, 0.0F, 0.0F, 0.02F * h, look_.belt, kPerson));
-  parts.back().radius_start = parts.back().radius_end = 0.103F * h * wide * bulk;
-  parts.back().scale.x() = 0.70F;
+  parts.back().radius_start = parts.back().radius_end = 0.096F * h * wide * bulk;
+  parts.back().scale.x() = 0.71F;
 }
 
 void PersonBody::addHead(Primitives& parts, const Vector3f& neck, double time_s) const {
@@ -258,6 +261,22 @@ void PersonBody::addHead(Primitives& parts, const Vector3f& neck, double time_s)
   T.linear() =
       (Eigen::AngleAxisf(turn, Vector3f::UnitZ()) * Eigen::AngleAxisf(nod, Vector3f::UnitY())).toRotationMatrix();
   append(parts, placed(head, T));
+}
+
+void PersonBody::addHand(Primitives& parts, float side, const Vector3f& wrist, const Vector3f& along) const {
+  const auto h = static_cast<float>(height_m_);
+  const Vector3f forward = Vector3f(along.z(), 0, -along.x()).normalized() * -1.0F;  // the thumb's side
+  const Vector3f palm = wrist + 0.038F * h * along, bend = 0.010F * h * Vector3f(0, -side, 0);
+  parts.push_back(makeRoundedCone(wrist, 0.015F * h, palm, 0.021F * h, look_.skin, kPerson, 0.5F, Vector3f::UnitY()));
+  for (const float finger : {-1.0F, 0.0F, 1.0F}) {
+    const Vector3f knuckle = palm + finger * 0.012F * h * forward;
+    const Vector3f joint = knuckle + 0.026F * h * along + 0.4F * bend;
+    parts.push_back(makeRoundedCone(knuckle, 0.0075F * h, joint, 0.0065F * h, look_.skin, kPerson));
+    parts.push_back(
+        makeRoundedCone(joint, 0.0065F * h, joint + 0.018F * h * along + bend, 0.0055F * h, look_.skin, kPerson));
+  }
+  parts.push_back(makeRoundedCone(wrist + 0.012F * h * (along + forward), 0.009F * h,
+                                  wrist + 0.036F * h * along + 0.024F * h * forward, 0.0065F * h, look_.skin, kPerson));
 }
 
 void PersonBody::addArm(Primitives& parts, float side, const PersonState& state, Carrying carrying, double time_s,
@@ -294,10 +313,10 @@ void PersonBody::addArm(Primitives& parts, float side, const PersonState& state,
   const Vector3f hand = swing(wrist, 0.045F * h, upper_rad + bend_rad + 0.15F);
   const float sleeve = long_sleeves_ ? 1.12F : 1.0F;
   parts.push_back(
-      makeRoundedCone(shoulder, 0.038F * h * build_, elbow, 0.027F * h * build_ * sleeve, look_.sleeves, kPerson));
+      makeRoundedCone(shoulder, 0.032F * h * build_, elbow, 0.026F * h * build_ * sleeve, look_.sleeves, kPerson));
   parts.push_back(makeRoundedCone(elbow, 0.025F * h * build_ * sleeve, wrist, 0.018F * h * build_ * sleeve,
                                   long_sleeves_ ? look_.sleeves : look_.skin, kPerson));
-  parts.push_back(makeRoundedCone(wrist, 0.018F * h, hand, 0.021F * h, look_.skin, kPerson, 0.6F, Vector3f::UnitY()));
+  addHand(parts, side, wrist, (hand - wrist).normalized());
 }
 
 Primitives PersonBody::pose(const PersonState& state, Carrying carrying, double time_s) const {
@@ -314,10 +333,10 @@ Primitives PersonBody::pose(const PersonState& state, Carrying carrying, double 
   }
   Primitives upper;
   addTorso(upper, 0.0F);
-  const Vector3f neck(-0.004F * h, 0, 0.305F * h);
+  const Vector3f neck(-0.004F * h, 0, 0.292F * h);
   addHead(upper, neck, time_s);
   for (const float side : {-1.0F, 1.0F}) {
-    addArm(upper, side, state, carrying, time_s, {0, side * shoulder_ * h, 0.275F * h});
+    addArm(upper, side, state, carrying, time_s, {0, side * shoulder_ * h, 0.262F * h});
   }
   // The trunk leans a little into the walk, turns against the legs and sways.
   const auto stride = static_cast<float>(state.stride);

@@ -103,13 +103,14 @@ Primitives Workshop::officeChair() {
     parts.push_back(makeEllipsoid(tip - Vector3f(0, 0, 0.037F), {0.03F, 0.03F, 0.03F}, plastics_[0], kChair));
   }
   parts.push_back(makeFrustum({0, 0, 0.1F}, 0.03F, 0.022F, seat_z - 0.14F, metals_[0], kChair));
-  parts.push_back(makeBox({0, 0, seat_z - 0.03F}, {width * 0.9F, width * 0.92F, 0.05F}, cloth, kChair));
-  parts.push_back(makeEllipsoid({0, 0, seat_z - 0.02F}, {width * 0.55F, width * 0.55F, 0.05F}, cloth, kChair));
+  // Seat and back are capsules pressed flat.
+  parts.push_back(makeRoundedCone({0, -0.06F, seat_z - 0.04F}, width * 0.46F, {0, 0.06F, seat_z - 0.04F}, width * 0.46F,
+                                  cloth, kChair, 0.20F, Vector3f::UnitZ()));
   // The user looks along +x when seated, so the back is at -x.
   parts.push_back(
       makeRoundedCone({-0.18F, 0, seat_z - 0.06F}, 0.025F, {-0.26F, 0, seat_z + 0.22F}, 0.02F, frame, kChair));
-  Primitives back{makeBox({0, 0, back_h / 2}, {0.05F, width * 0.86F, back_h - 0.06F}, cloth, kChair),
-                  makeEllipsoid({0, 0, back_h / 2}, {0.04F, width * 0.5F, back_h * 0.54F}, cloth, kChair)};
+  const float back_r = width * 0.46F, rise = std::max(back_h - 2 * back_r, 0.03F);
+  Primitives back{makeRoundedCone({0, 0, back_r}, back_r, {0, 0, back_r + rise}, 0.92F * back_r, cloth, kChair, 0.16F)};
   append(parts, placed(back, tilted(pose(-0.24F, 0, seat_z + 0.1F, 0), -0.16F)));
   if (rng_.below(3)) {
     for (const float side : {-1.0F, 1.0F}) {
@@ -359,7 +360,10 @@ Primitives Workshop::window(float width_m, float height_m) {
 
 Primitives Workshop::door(float width_m, float height_m) {
   Primitive leaf = makeBox({-0.015F, 0, 0}, {0.03F, width_m, height_m}, woods_[0], kBackground);
-  leaf.materials[0] = paint(synthetic::door(randomColor(rng_, 20, 150, 100, 220), rng_), 0.0F, 0.05F);
+  leaf.materials[0] = paint(
+      synthetic::door(
+          colorFrom({{85, 125, 170}, {215, 220, 222}, {150, 152, 155}, {60, 85, 120}, {150, 120, 90}}, rng_), rng_),
+      0.0F, 0.05F);
   return {leaf};
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <vector>
 
 #include "semantic_vslam/core/common/rng.h"
 
@@ -57,5 +58,8 @@ cv::Mat3b cupPrint(const cv::Scalar& color, Rng& rng);
 
 /// A colour of the given HSV range (hue 0..180 as OpenCV has it, saturation and value 0..255), as BGR.
 cv::Scalar randomColor(Rng& rng, double saturation_low, double saturation_high, double value_low, double value_high);
+
+/// One of the given colours, a little lighter or darker and shifted in hue.
+cv::Scalar colorFrom(const std::vector<cv::Scalar>& palette, Rng& rng);
 
 }  // namespace semantic_vslam::synthetic

@@ -81,6 +81,8 @@ class PersonBody {
   void addLeg(Primitives& parts, const Legs& leg) const;
   void addArm(Primitives& parts, float side, const PersonState& state, Carrying carrying, double time_s,
               const Eigen::Vector3f& shoulder) const;
+  /// @param along  unit vector from the wrist to the finger tips
+  void addHand(Primitives& parts, float side, const Eigen::Vector3f& wrist, const Eigen::Vector3f& along) const;
   void addTorso(Primitives& parts, float hip_z) const;
   void addHead(Primitives& parts, const Eigen::Vector3f& neck, double time_s) const;
 

@@ -1,0 +1,121 @@
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Augmentation. Images are HxWx3 uint8 RGB, labels HxW uint8; every draw comes from the generator that is passed in."""
+import cv2
+import numpy as np
+
+from classes import IGNORE, NAMES, PERSON
+
+PASTED = tuple(NAMES.index(name) for name in
+               ('person', 'chair', 'monitor', 'keyboard', 'mouse', 'book', 'laptop', 'bottle', 'cup'))
+PERSON_ODDS = 0.6        # of a paste; the other classes share the rest
+MIN_CUTOUT_PX = 400      # smaller ones show too little of the object
+MIN_CUTOUT_SHARE = 0.35  # of its box: scattered pieces are no object
+MAX_CUTOUTS = 40         # a source and class; enough to vary, and bounded in memory
+
+
+def crop(image, label, size, rng):
+    """A random part, 40 % to 130 % of the image, its aspect ratio changed by up to 20 %, perhaps mirrored."""
+    width, height = size
+    h, w = label.shape
+    scale = np.exp(rng.uniform(np.log(0.4), np.log(1.3))) * min(w / width, h / height)
+    aspect = np.exp(rng.uniform(-0.2, 0.2))
+    part_w, part_h = width * scale * aspect, height * scale / aspect
+    x = rng.uniform(min(0, w - part_w), max(0, w - part_w))
+    y = rng.uniform(min(0, h - part_h), max(0, h - part_h))
+    to_part = np.float32([[width / part_w, 0, -x * width / part_w], [0, height / part_h, -y * height / part_h]])
+    if rng.random() < 0.5:
+        to_part = np.float32([[-1, 0, width - 1], [0, 1, 0]]) @ np.vstack((to_part, [0, 0, 1])).astype(np.float32)
+    if scale > 1.5:  # warpAffine does not average
+        image = cv2.GaussianBlur(image, (0, 0), 0.4 * scale)
+    image = cv2.warpAffine(image, to_part, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT_101)
+    label = cv2.warpAffine(label, to_part, size, flags=cv2.INTER_NEAREST, borderValue=IGNORE)
+    return image, label
+
+
+def photometric(image, rng):
+    """Light, contrast, white balance, saturation, gamma, blur, noise and JPEG, as cheap cameras give them."""
+    x = image.astype(np.float32) / 255
+    x = np.power(x, np.exp(rng.uniform(-0.4, 0.4)))
+    x = x * np.exp(rng.uniform(-0.15, 0.15, 3)).astype(np.float32)
+    grey = x.mean(axis=2, keepdims=True)
+    x = grey + (x - grey) * rng.uniform(0.4, 1.4)
+    x = (x - x.mean()) * rng.uniform(0.7, 1.3) + x.mean() + rng.uniform(-0.12, 0.12)
+    if rng.random() < 0.3:
+        x = cv2.GaussianBlur(x, (0, 0), rng.uniform(0.4, 1.6))
+    if rng.random() < 0.15:
+        x = _motion_blur(x, rng)
+    if rng.random() < 0.5:
+        x = x + rng.normal(0, rng.uniform(0.005, 0.04), x.shape)
+    image = np.clip(x * 255, 0, 255).astype(np.uint8)
+    if rng.random() < 0.3:
+        _, data = cv2.imencode('.jpg', image, [cv2.IMWRITE_JPEG_QUALITY, int(rng.integers(30, 95))])
+        image = cv2.imdecode(data, cv2.IMREAD_COLOR)
+    return image
+
+
+def _motion_blur(x, rng):
+    length = int(rng.integers(3, 12))
+    kernel = np.zeros((length, length), np.float32)
+    angle = rng.uniform(0, np.pi)
+    centre = (length - 1) / 2
+    end = (centre * np.cos(angle), centre * np.sin(angle))
+    cv2.line(kernel, (round(centre - end[0]), round(centre - end[1])), (round(centre + end[0]), round(centre + end[1])), 1)
+    return cv2.filter2D(x, -1, kernel / kernel.sum())
+
+
+class Cutouts:
+    """Objects cut from the training images by their masks, to be pasted into others."""
+
+    def __init__(self, sources):
+        self.by_class = {c: [] for c in PASTED}
+        for source in sources:
+            room = {c: MAX_CUTOUTS for c in PASTED}
+            for index in np.random.default_rng(len(source)).permutation(len(source)):
+                if not any(room.values()):
+                    break
+                self._collect(*source.load(index), room)
+        self.by_class = {c: cutouts for c, cutouts in self.by_class.items() if cutouts}
+
+    def _collect(self, image, label, room):
+        for c in PASTED:
+            if not room[c] or not (label == c).any():
+                continue
+            count, parts, stats, _ = cv2.connectedComponentsWithStats((label == c).astype(np.uint8))
+            for k in range(1, count):
+                x, y, w, h, area = stats[k]
+                if room[c] and area >= MIN_CUTOUT_PX and area >= MIN_CUTOUT_SHARE * w * h:
+                    inside = (slice(y, y + h), slice(x, x + w))
+                    self.by_class[c].append((image[inside].copy(), (parts[inside] == k).astype(np.uint8)))
+                    room[c] -= 1
+
+    def paste(self, image, label, rng):
+        """Puts one to three cutouts in. People at any size, up to a body so near that the image shows only a part."""
+        if not self.by_class:
+            return image, label
+        for _ in range(rng.integers(1, 4)):
+            others = [c for c in self.by_class if c != PERSON]
+            person = PERSON in self.by_class and (not others or rng.random() < PERSON_ODDS)
+            c = PERSON if person else others[rng.integers(len(others))]
+            cutout = self.by_class[c][rng.integers(len(self.by_class[c]))]
+            image, label = _paste_one(image, label, cutout, c, rng)
+        return image, label
+
+
+def _paste_one(image, label, cutout, c, rng):
+    height, width = label.shape
+    patch, mask = cutout
+    share = np.exp(rng.uniform(np.log(0.3), np.log(2.2))) if c == PERSON else np.exp(rng.uniform(np.log(0.08), np.log(0.6)))
+    scale = share * height / max(patch.shape[0], 0.7 * patch.shape[1])
+    angle = rng.uniform(-10, 10) if c == PERSON else rng.uniform(-25, 25)
+    warp = cv2.getRotationMatrix2D((patch.shape[1] / 2, patch.shape[0] / 2), angle, scale)
+    warp[:, 2] += (rng.uniform(0, width) - patch.shape[1] / 2, rng.uniform(0.2, 1.0) * height - patch.shape[0] / 2)
+    if rng.random() < 0.5:
+        patch, mask = patch[:, ::-1], mask[:, ::-1]
+    patch = photometric(np.ascontiguousarray(patch), rng)
+    alpha = cv2.warpAffine(np.ascontiguousarray(mask).astype(np.float32), warp, (width, height))
+    patch = cv2.warpAffine(patch, warp, (width, height), borderMode=cv2.BORDER_REFLECT_101)
+    soft = cv2.GaussianBlur(alpha, (0, 0), rng.uniform(0.5, 1.2))[..., None]
+    image = (image * (1 - soft) + patch * soft).astype(np.uint8)
+    label = np.where(alpha > 0.5, np.uint8(c), label)
+    return image, label

@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""BiSeNet V2 (Yu et al., "BiSeNet V2: Bilateral Network with Guided Aggregation for Real-time Semantic Segmentation",
+International Journal of Computer Vision 129, 2021), written from the paper. Table and figure numbers are the paper's."""
+import torch
+from torch import nn
+import torch.nn.functional as F
+
+DETAIL_CHANNELS = (64, 64, 128)         # stages S1-S3 of the detail branch, table 1
+SEMANTIC_CHANNELS = (16, 32, 64, 128)   # stem, S3, S4, S5 of the semantic branch, table 1
+EXPANSION = 6                           # of gather-and-expansion
+AUX_HEAD_CHANNELS = 128
+
+
+def conv_bn(inputs, outputs, kernel=3, stride=1, groups=1, relu=True):
+    layers = [nn.Conv2d(inputs, outputs, kernel, stride, kernel // 2, groups=groups, bias=False),
+              nn.BatchNorm2d(outputs)]
+    return nn.Sequential(*layers, nn.ReLU(inplace=True)) if relu else nn.Sequential(*layers)
+
+
+def depthwise(inputs, outputs, stride=1):
+    """3x3 depth-wise convolution with batch normalisation; outputs is a multiple of inputs."""
+    return conv_bn(inputs, outputs, 3, stride, groups=inputs, relu=False)
+
+
+class DetailBranch(nn.Sequential):
+    """Wide and shallow: spatial detail at 1/8."""
+
+    def __init__(self):
+        a, b, c = DETAIL_CHANNELS
+        super().__init__(conv_bn(3, a, stride=2), conv_bn(a, a),
+                         conv_bn(a, b, stride=2), conv_bn(b, b), conv_bn(b, b),
+                         conv_bn(b, c, stride=2), conv_bn(c, c), conv_bn(c, c))
+
+
+class Stem(nn.Module):
+    """Two ways to shrink, by convolution and by pooling, fused; figure 4 (a). Output at 1/4."""
+
+    def __init__(self, channels):
+        super().__init__()
+        self.first = conv_bn(3, channels, stride=2)
+        self.convolved = nn.Sequential(conv_bn(channels, channels // 2, 1), conv_bn(channels // 2, channels, stride=2))
+        self.pooled = nn.MaxPool2d(3, stride=2, padding=1)
+        self.fuse = conv_bn(2 * channels, channels)
+
+    def forward(self, image):
+        x = self.first(image)
+        return self.fuse(torch.cat((self.convolved(x), self.pooled(x)), dim=1))
+
+
+class GatherExpansion(nn.Module):
+    """Gather-and-expansion layer, figure 5 (b) at stride 1 and (c) at stride 2."""
+
+    def __init__(self, inputs, outputs, stride=1):
+        super().__init__()
+        wide = EXPANSION * inputs
+        expand = [depthwise(inputs, wide, stride)]
+        if stride == 2:
+            expand.append(depthwise(wide, wide))
+        else:
+            expand.append(nn.ReLU(inplace=True))
+        self.body = nn.Sequential(conv_bn(inputs, inputs), *expand, conv_bn(wide, outputs, 1, relu=False))
+        self.shortcut = nn.Identity() if stride == 1 else nn.Sequential(
+            depthwise(inputs, inputs, stride), conv_bn(inputs, outputs, 1, relu=False))
+
+    def forward(self, x):
+        return F.relu(self.body(x) + self.shortcut(x))
+
+
+class ContextEmbedding(nn.Module):
+    """Adds the image's mean feature to every place, figure 4 (b)."""
+
+    def __init__(self, channels):
+        super().__init__()
+        self.norm = nn.BatchNorm2d(channels)
+        self.project = conv_bn(channels, channels, 1)
+        self.fuse = conv_bn(channels, channels)
+
+    def forward(self, x):
+        context = self.project(self.norm(x.mean(dim=(2, 3), keepdim=True)))
+        return self.fuse(x + context)
+
+
+class SemanticBranch(nn.Module):
+    """Narrow and deep: context at 1/32. @return its four stages, for the booster heads."""
+
+    def __init__(self):
+        super().__init__()
+        stem, c3, c4, c5 = SEMANTIC_CHANNELS
+        self.stem = Stem(stem)
+        self.stage3 = nn.Sequential(GatherExpansion(stem, c3, 2), GatherExpansion(c3, c3))
+        self.stage4 = nn.Sequential(GatherExpansion(c3, c4, 2), GatherExpansion(c4, c4))
+        self.stage5 = nn.Sequential(GatherExpansion(c4, c5, 2), *[GatherExpansion(c5, c5) for _ in range(3)])
+        self.context = ContextEmbedding(c5)
+
+    def forward(self, image):
+        s2 = self.stem(image)
+        s3 = self.stage3(s2)
+        s4 = self.stage4(s3)
+        s5 = self.stage5(s4)
+        return s2, s3, s4, s5, self.context(s5)
+
+
+class GuidedAggregation(nn.Module):
+    """Each branch gates the other at its own scale, figure 6."""
+
+    def __init__(self, channels):
+        super().__init__()
+
+        def separable():
+            return nn.Sequential(depthwise(channels, channels), nn.Conv2d(channels, channels, 1, bias=False))
+
+        self.detail_keep = separable()
+        self.detail_down = nn.Sequential(conv_bn(channels, channels, stride=2, relu=False),
+                                         nn.AvgPool2d(3, stride=2, padding=1))
+        self.semantic_up = conv_bn(channels, channels, relu=False)
+        self.semantic_keep = separable()
+        self.fuse = conv_bn(channels, channels, relu=False)
+
+    def forward(self, detail, semantic):
+        size = detail.shape[2:]
+        gate = torch.sigmoid(resize(self.semantic_up(semantic), size))
+        fine = self.detail_keep(detail) * gate
+        coarse = self.detail_down(detail) * torch.sigmoid(self.semantic_keep(semantic))
+        return self.fuse(fine + resize(coarse, size))
+
+
+class Head(nn.Sequential):
+    """Logits at the resolution of its input."""
+
+    def __init__(self, inputs, hidden, classes):
+        super().__init__(conv_bn(inputs, hidden), nn.Dropout2d(0.1), nn.Conv2d(hidden, classes, 1))
+
+
+def resize(x, size):
+    return F.interpolate(x, size=[int(size[0]), int(size[1])], mode='bilinear', align_corners=False)
+
+
+class BiSeNetV2(nn.Module):
+    """@param classes        logits per pixel
+    @param head_channels  hidden width of the last head: 1024 as published; it is a third of all weights and a quarter of
+                          the time, so that a network for few classes does with less
+    @param boosters       the four heads on the semantic branch that training needs (figure 2); not counted at inference
+
+    In:  N x 3 x H x W, normalised, H and W multiples of 32.
+    Out: logits N x classes x H/8 x W/8; in training mode with boosters (logits, [four more at 1/4, 1/8, 1/16, 1/32]).
+    """
+
+    def __init__(self, classes, head_channels=1024, boosters=True):
+        super().__init__()
+        self.detail = DetailBranch()
+        self.semantic = SemanticBranch()
+        self.aggregate = GuidedAggregation(DETAIL_CHANNELS[-1])
+        self.head = Head(DETAIL_CHANNELS[-1], head_channels, classes)
+        self.boosters = nn.ModuleList(
+            [Head(channels, AUX_HEAD_CHANNELS, classes) for channels in SEMANTIC_CHANNELS] if boosters else [])
+        self.apply(_initialise)
+        for head in (self.head, *self.boosters):
+            nn.init.normal_(head[-1].weight, std=0.01)  # all classes start about even
+
+    def forward(self, image):
+        *stages, context = self.semantic(image)
+        logits = self.head(self.aggregate(self.detail(image), context))
+        if self.training and len(self.boosters):
+            return logits, [head(stage) for head, stage in zip(self.boosters, stages)]
+        return logits
+
+
+def _initialise(module):
+    if isinstance(module, nn.Conv2d):
+        nn.init.kaiming_normal_(module.weight, mode='fan_out', nonlinearity='relu')
+        if module.bias is not None:
+            nn.init.zeros_(module.bias)
+
+
+def inference_parameters(model):
+    """Weights that remain in the exported network: all but the booster heads."""
+    return sum(p.numel() for name, p in model.named_parameters() if not name.startswith('boosters.'))

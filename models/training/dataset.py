@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Labelled images from folders, and endless augmented samples of them."""
+import glob
+import os
+import re
+import zlib
+
+import cv2
+import numpy as np
+import torch
+
+import augment
+from classes import label_of_coco
+
+IMAGE_FOLDERS = ('rgb', 'images')
+FOLD = 5  # every fifth image, by a hash of its name, is held back from training
+
+
+class LabelledFolder:
+    """Images and label images of the same stem.
+
+    DIR/rgb or DIR/images, and DIR/labels (8-bit PNG, our class ids, 255 = ignore) or DIR/masks with DIR/config.yaml
+    (COCO panoptic ids and their names). make_synthetic_bag --tum and label_images write the first form.
+    """
+
+    def __init__(self, folder):
+        self.folder = folder
+        images = next((os.path.join(folder, d) for d in IMAGE_FOLDERS if os.path.isdir(os.path.join(folder, d))), None)
+        coco = os.path.isdir(os.path.join(folder, 'masks')) and not os.path.isdir(os.path.join(folder, 'labels'))
+        labels = os.path.join(folder, 'masks' if coco else 'labels')
+        if images is None or not os.path.isdir(labels):
+            raise SystemExit(f"'{folder}' is no labelled folder: it needs rgb/ or images/, and labels/ or masks/")
+        self.table = _coco_table(folder) if coco else None
+        self.pairs = []
+        for path in sorted(glob.glob(os.path.join(images, '*'))):
+            label = os.path.join(labels, os.path.splitext(os.path.basename(path))[0] + '.png')
+            if os.path.exists(label):
+                self.pairs.append((path, label))
+        if not self.pairs:
+            raise SystemExit(f"'{folder}' holds no image with a label image of the same name")
+
+    def split(self, held_back):
+        """@return self, with the held-back fold alone or all but it."""
+        self.pairs = [p for p in self.pairs if is_held_back(p[0]) == held_back]
+        return self
+
+    def __len__(self):
+        return len(self.pairs)
+
+    def load(self, index):
+        """@return RGB image HxWx3 and label image HxW, both uint8."""
+        path, label_path = self.pairs[index]
+        image, label = cv2.imread(path, cv2.IMREAD_COLOR), cv2.imread(label_path, cv2.IMREAD_GRAYSCALE)
+        if image is None or label is None or image.shape[:2] != label.shape:
+            raise SystemExit(f"'{path}' and '{label_path}' do not load or differ in size")
+        if self.table is not None:
+            label = self.table[label]
+        return cv2.cvtColor(image, cv2.COLOR_BGR2RGB), label
+
+
+def is_held_back(path):
+    stem = os.path.splitext(os.path.basename(path))[0]
+    return zlib.crc32(stem.encode()) % FOLD == 0
+
+
+def _coco_table(folder):
+    path = os.path.join(folder, 'config.yaml')
+    with open(path, encoding='utf-8') as text:
+        names = {int(i): name.strip() for i, name in re.findall(r'^\s+(\d+):\s*(\S.*)$', text.read(), re.MULTILINE)}
+    if not names:
+        raise SystemExit(f"'{path}' lists no classes")
+    return np.array(label_of_coco(names), np.uint8)
+
+
+class AugmentedSamples(torch.utils.data.Dataset):
+    """Sample `index` is the same whenever it is asked for, so that a resumed run goes on exactly where it stopped.
+
+    @param sources  [(LabelledFolder, weight)]: how often each is drawn from
+    @param size     (width, height) of a sample, px
+    @param count    samples in all
+    """
+
+    def __init__(self, sources, size, count, seed=1, paste=0.5):
+        self.sources = [folder for folder, _ in sources]
+        weights = np.array([weight for _, weight in sources], float)
+        self.odds = weights / weights.sum()
+        self.size, self.count, self.seed, self.paste = size, count, seed, paste
+        self.cutouts = augment.Cutouts(self.sources)
+
+    def __len__(self):
+        return self.count
+
+    def __getitem__(self, index):
+        rng = np.random.default_rng((self.seed, index))
+        source = self.sources[rng.choice(len(self.sources), p=self.odds)]
+        image, label = source.load(rng.integers(len(source)))
+        image, label = augment.crop(image, label, self.size, rng)
+        if rng.random() < self.paste:
+            image, label = self.cutouts.paste(image, label, rng)
+        image = augment.photometric(image, rng)
+        return torch.from_numpy(np.ascontiguousarray(image.transpose(2, 0, 1))), torch.from_numpy(label)
+
+
+def resized(image, label, size):
+    """What the network sees at run time: the whole image stretched to its input. The label keeps its own size."""
+    shrink = image.shape[1] >= 2 * size[0] and image.shape[0] >= 2 * size[1]
+    image = cv2.resize(image, size, interpolation=cv2.INTER_AREA if shrink else cv2.INTER_LINEAR)
+    return torch.from_numpy(np.ascontiguousarray(image.transpose(2, 0, 1))), label

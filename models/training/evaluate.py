@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Scores a checkpoint on the held-back fold of labelled folders: IoU per class.
+
+usage: evaluate.py CHECKPOINT.pt DIR ... [--all] [--pictures DIR] [--json]
+"""
+import argparse
+import json
+import os
+
+import cv2
+import numpy as np
+
+import scores
+from classes import CLASSES
+from dataset import LabelledFolder
+from network_file import load_network
+
+COLOURS = np.array([colour for _, _, colour in CLASSES], np.uint8)
+
+
+def main(argv=None):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('checkpoint')
+    parser.add_argument('folders', nargs='+')
+    parser.add_argument('--all', action='store_true', help='every image, also those of the training')
+    parser.add_argument('--pictures', help='folder for overlays')
+    parser.add_argument('--json', action='store_true')
+    args = parser.parse_args(argv)
+    model, checkpoint = load_network(args.checkpoint)
+    folders = [LabelledFolder(folder) for folder in args.folders]
+    if not args.all:
+        folders = [folder.split(held_back=True) for folder in folders]
+
+    def draw(path, image, predicted):
+        tinted = np.where(predicted[..., None] > 0, image // 2 + COLOURS[predicted] // 2, image)
+        name = os.path.splitext(os.path.basename(path))[0] + '.jpg'
+        cv2.imwrite(os.path.join(args.pictures, name), tinted[..., ::-1])
+
+    if args.pictures:
+        os.makedirs(args.pictures, exist_ok=True)
+    iou = scores.evaluate(model, folders, tuple(checkpoint['size']), on_image=draw if args.pictures else None)
+    result = {'images': sum(len(f) for f in folders), 'mean_iou': scores.mean_iou(iou), 'iou': iou}
+    if args.json:
+        print(json.dumps(result, indent=1))
+    else:
+        for name, value in iou.items():
+            print(f'{name:12s} {value:.3f}')
+        print(f"{'mean':12s} {result['mean_iou']:.3f} without background, over {result['images']} images")
+    return result
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,42 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Writes a checkpoint as ONNX with its sidecar: OUT.onnx and OUT.yaml, ready for segmentation.model.
+
+usage: export.py CHECKPOINT.pt OUT.onnx [--size WIDTHxHEIGHT]     (the size of the training otherwise)
+"""
+import argparse
+import inspect
+import os
+import warnings
+
+import torch
+
+from network_file import load_network, write_sidecar
+from train import parse_size
+
+
+def export(model, path, size):
+    options = {'dynamo': False} if 'dynamo' in inspect.signature(torch.onnx.export).parameters else {}
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore')  # PyTorch warns that sizes become constants, which is what we want
+        torch.onnx.export(model, torch.zeros(1, 3, size[1], size[0]), path, input_names=['image'],
+                          output_names=['logits'], opset_version=13, **options)
+    write_sidecar(os.path.splitext(path)[0] + '.yaml', size, 'BiSeNet V2, indoor classes')
+
+
+def main(argv=None):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('checkpoint')
+    parser.add_argument('out')
+    parser.add_argument('--size', type=parse_size)
+    args = parser.parse_args(argv)
+    if not args.out.endswith('.onnx'):
+        raise SystemExit(f"'{args.out}' must end in .onnx")
+    model, checkpoint = load_network(args.checkpoint)
+    export(model, args.out, args.size or tuple(checkpoint['size']))
+    print(f'{args.out}: {os.path.getsize(args.out) / 1e6:.1f} MB, step {checkpoint["step"]}')
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,55 @@
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Checkpoints, and the sidecar that tells the C++ side how to run an exported network."""
+import os
+
+import torch
+
+from bisenetv2 import BiSeNetV2
+from classes import CLASSES, NAMES
+
+MEAN = (0.485, 0.456, 0.406)  # red, green, blue of photographs in [0, 1]; any fixed choice does, it goes to the sidecar
+STD = (0.229, 0.224, 0.225)
+STRIDE = 8
+
+
+def normalise(images):
+    """@param images N x 3 x H x W, uint8 RGB  @return float32"""
+    mean = torch.tensor(MEAN, device=images.device).view(1, 3, 1, 1)
+    std = torch.tensor(STD, device=images.device).view(1, 3, 1, 1)
+    return (images.float() / 255 - mean) / std
+
+
+def save_checkpoint(path, **content):
+    """Written whole or not at all."""
+    torch.save(content, path + '.tmp')
+    os.replace(path + '.tmp', path)
+
+
+def load_checkpoint(path):
+    if not os.path.exists(path):
+        raise SystemExit(f"checkpoint '{path}' does not exist; train.py writes one")
+    return torch.load(path, map_location='cpu')
+
+
+def load_network(path):
+    """@return the averaged network of a checkpoint, ready to infer, and the checkpoint."""
+    checkpoint = load_checkpoint(path)
+    model = BiSeNetV2(len(NAMES), checkpoint['head_channels'], boosters=False)
+    model.load_state_dict({k: v for k, v in checkpoint['average'].items() if not k.startswith('boosters.')})
+    return model.eval(), checkpoint
+
+
+def write_sidecar(path, size, title):
+    def numbers(values):
+        return '[' + ', '.join(str(v) for v in values) + ']'
+
+    lines = ['# Written by models/training/export.py; models/README.md describes the form.',
+             f'name: {title}', 'license: BSD-3-Clause', 'input:', f'  width: {size[0]}', f'  height: {size[1]}',
+             '  layout: nchw', '  type: float32', '  channels: rgb', '  resize: stretch', f'  scale: {1 / 255}',
+             f'  mean: {numbers(MEAN)}', f'  std: {numbers(STD)}', 'output:', '  name: logits', '  kind: logits',
+             '  layout: nchw', f'  stride: {STRIDE}', f"classes: [{', '.join(NAMES)}]", 'labels:']
+    for name, mobility, colour in CLASSES[1:]:
+        lines.append(f'  - {{name: {name}, mobility: {mobility}, color: {numbers(colour)}}}')
+    with open(path, 'w', encoding='utf-8') as out:
+        out.write('\n'.join(lines) + '\n')

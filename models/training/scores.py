@@ -1,0 +1,55 @@
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Intersection over union per class."""
+import numpy as np
+import torch
+
+from bisenetv2 import resize
+from classes import IGNORE, NAMES
+from dataset import resized
+from network_file import normalise
+
+
+class Confusion:
+    def __init__(self):
+        self.counts = np.zeros((len(NAMES), len(NAMES)), np.int64)  # true class, predicted class
+
+    def add(self, truth, predicted):
+        """@param truth, predicted  label images of one size"""
+        known = truth != IGNORE
+        pairs = truth[known].astype(np.int64) * len(NAMES) + predicted[known]
+        self.counts += np.bincount(pairs, minlength=len(NAMES) ** 2).reshape(self.counts.shape)
+
+    def iou(self):
+        """@return {class: IoU}; classes that neither truth nor prediction shows are left out."""
+        both = np.diag(self.counts)
+        either = self.counts.sum(0) + self.counts.sum(1) - both
+        return {name: both[i] / either[i] for i, name in enumerate(NAMES) if either[i] > 0}
+
+
+def mean_iou(iou):
+    """Over the classes that were seen, background left out."""
+    seen = [value for name, value in iou.items() if name != 'background']
+    return float(np.mean(seen)) if seen else 0.0
+
+
+def predict(model, image, size, shape, device='cpu'):
+    """@return label image of `shape` for one RGB image, from logits up-sampled bilinearly, as at run time."""
+    tensor, _ = resized(image, None, size)
+    logits = model(normalise(tensor[None].to(device)))
+    return resize(logits, shape).argmax(1)[0].byte().cpu().numpy()
+
+
+def evaluate(model, folders, size, device='cpu', on_image=None):
+    """@param folders  [LabelledFolder]  @return {class: IoU} over all their images."""
+    model.eval()
+    confusion = Confusion()
+    with torch.no_grad():
+        for folder in folders:
+            for index in range(len(folder)):
+                image, label = folder.load(index)
+                predicted = predict(model, image, size, label.shape, device)
+                confusion.add(label, predicted)
+                if on_image:
+                    on_image(folder.pairs[index][0], image, predicted)
+    return confusion.iou()

@@ -1,0 +1,209 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/pipeline/slam_system.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <set>
+#include <string>
+
+#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/eval/synthetic_room.h"
+#include "semantic_vslam/core/eval/trajectory_error.h"
+
+namespace semantic_vslam {
+namespace {
+
+CameraIntrinsics quarterVga() {
+  CameraIntrinsics k;
+  k.width = 320;
+  k.height = 240;
+  k.fx = k.fy = 262.5;
+  k.cx = 159.5;
+  k.cy = 119.5;
+  return k;
+}
+
+/// Two seconds of the walking scenario in which one or two people pass, rendered once for all tests.
+const std::vector<SyntheticFrame>& walkingFrames() {
+  static const std::vector<SyntheticFrame> frames = [] {
+    constexpr int kFirst = 140, kFrames = 60;
+    const SyntheticRoom room(makeScenario("walking", 1), quarterVga());
+    std::vector<SyntheticFrame> rendered;
+    for (int i = 0; i < kFrames; ++i) {
+      rendered.push_back(room.render(room.frameTime(kFirst + i)));
+      rendered.back().frame.index = static_cast<std::uint64_t>(i);
+    }
+    return rendered;
+  }();
+  return frames;
+}
+
+struct Outcome {
+  int posed = 0;
+  std::vector<TimedPose> trajectory;
+  std::vector<LabelledPoint> cloud;
+  std::size_t keyframes = 0;
+};
+
+Outcome run(const SystemConfig& config, SlamSystem::Mode mode) {
+  SlamSystem system(config, mode);
+  Outcome out;
+  for (const SyntheticFrame& synthetic : walkingFrames()) out.posed += system.step(synthetic.frame).posed ? 1 : 0;
+  system.finish();
+  out.trajectory = system.slam().trajectory();
+  out.cloud = system.dense().cloud();
+  out.keyframes = system.slam().keyframeCount();
+  return out;
+}
+
+double trajectoryError(const Outcome& result) {
+  std::vector<TimedPose> truth;
+  for (const SyntheticFrame& synthetic : walkingFrames()) {
+    truth.push_back({synthetic.frame.stamp, synthetic.T_world_camera});
+  }
+  return absoluteTrajectoryError(truth, result.trajectory).translation_m.rmse;
+}
+
+TEST(SlamSystem, FollowsTheCameraThroughPeople) {
+  const Outcome result = run(SystemConfig(), SlamSystem::Mode::kSynchronous);
+  EXPECT_GE(result.posed, 58) << "all but the frame or two of the initialisation";
+  EXPECT_EQ(result.trajectory.size(), static_cast<std::size_t>(result.posed) + 1) << "k1 gets its pose afterwards";
+  EXPECT_LT(trajectoryError(result), 0.025);
+  EXPECT_GT(result.keyframes, 1U);
+  EXPECT_GT(result.cloud.size(), 10000U);
+}
+
+TEST(SlamSystem, TheSameInputGivesTheSameBytes) {
+  const Outcome a = run(SystemConfig(), SlamSystem::Mode::kSynchronous),
+                b = run(SystemConfig(), SlamSystem::Mode::kSynchronous);
+  ASSERT_EQ(a.trajectory.size(), b.trajectory.size());
+  for (std::size_t i = 0; i < a.trajectory.size(); ++i) {
+    EXPECT_EQ(a.trajectory[i].T_world_camera.matrix(), b.trajectory[i].T_world_camera.matrix()) << i;
+  }
+  ASSERT_EQ(a.cloud.size(), b.cloud.size());
+  for (std::size_t i = 0; i < a.cloud.size(); ++i) {
+    ASSERT_EQ(a.cloud[i].xyz_m, b.cloud[i].xyz_m);
+    ASSERT_EQ(a.cloud[i].bgr, b.cloud[i].bgr);
+  }
+}
+
+TEST(SlamSystem, WorkersInTheBackgroundKeepUpAndFinish) {
+  const Outcome result = run(SystemConfig(), SlamSystem::Mode::kBackground);
+  EXPECT_GE(result.posed, 58);
+  EXPECT_LT(trajectoryError(result), 0.025);
+  EXPECT_GT(result.cloud.size(), 10000U);
+}
+
+/// A network that knows the truth: what it says of an image is looked up by the image itself.
+class TrueLabels final : public Segmenter {
+ public:
+  const LabelSet& labels() const override { return labels_; }
+  cv::Mat1b segment(const cv::Mat3b& bgr) override {
+    for (const SyntheticFrame& synthetic : walkingFrames()) {
+      if (synthetic.frame.bgr.data == bgr.data) return synthetic.labels;
+    }
+    return cv::Mat1b::zeros(bgr.size());
+  }
+
+ private:
+  LabelSet labels_ = syntheticLabels();
+};
+
+/// Share of the cloud's points that lie on a person: nearer than what the true view without people shows.
+double shareOnPeople(const std::vector<LabelledPoint>& cloud, const SE3& T_truth_map) {
+  const auto& frames = walkingFrames();
+  std::size_t on_people = 0;
+  for (const LabelledPoint& point : cloud) {
+    const Eigen::Vector3d p_world = T_truth_map * Eigen::Vector3d(point.xyz_m[0], point.xyz_m[1], point.xyz_m[2]);
+    for (std::size_t i = 0; i < frames.size(); i += 5) {
+      const Eigen::Vector3d p = frames[i].T_world_camera.inverse() * p_world;
+      if (p.z() < 0.1) continue;
+      const Eigen::Vector2d px = frames[i].frame.camera->projectRaw(p);
+      const cv::Point pixel(cvRound(px.x()), cvRound(px.y()));
+      if (!cv::Rect(0, 0, 320, 240).contains(pixel) || frames[i].person_mask(pixel) == 0) continue;
+      if (std::abs(frames[i].true_depth_m(pixel) - p.z()) < 0.03) {
+        ++on_people;
+        break;
+      }
+    }
+  }
+  return static_cast<double>(on_people) / static_cast<double>(cloud.size());
+}
+
+TEST(SlamSystem, NoPersonEntersTheMap) {
+  double people_px = 0.0;
+  for (const SyntheticFrame& synthetic : walkingFrames()) people_px += cv::countNonZero(synthetic.person_mask);
+  ASSERT_GT(people_px / static_cast<double>(walkingFrames().size()), 0.05 * 320 * 240)
+      << "there are people to leave out";
+  SlamSystem system(SystemConfig(), SlamSystem::Mode::kSynchronous, std::make_unique<TrueLabels>());
+  for (const SyntheticFrame& synthetic : walkingFrames()) system.step(synthetic.frame);
+  system.finish();
+  const auto cloud = system.dense().cloud();
+  ASSERT_GT(cloud.size(), 10000U);
+  const LabelSet labels = syntheticLabels();
+  std::size_t labelled = 0;
+  for (const LabelledPoint& point : cloud) {
+    EXPECT_NE(labels.mobility(point.label), Mobility::kPerson);
+    labelled += point.label != 0 ? 1 : 0;
+  }
+  EXPECT_GT(labelled, cloud.size() / 100) << "furniture carries its labels";
+  const SE3 T_map_first = system.slam().trajectory().front().T_world_camera;
+  EXPECT_LT(shareOnPeople(cloud, walkingFrames().front().T_world_camera * T_map_first.inverse()), 0.01);
+}
+
+TEST(SlamSystem, AFrameThatIsNotNewerIsPassedOver) {
+  SlamSystem system(SystemConfig(), SlamSystem::Mode::kSynchronous);
+  const auto& frames = walkingFrames();
+  system.step(frames[0].frame);
+  EXPECT_TRUE(system.step(frames[1].frame).posed);
+  EXPECT_FALSE(system.step(frames[1].frame).posed);
+  EXPECT_FALSE(system.step(frames[0].frame).posed);
+  EXPECT_TRUE(system.step(frames[2].frame).posed);
+}
+
+TEST(SlamSystem, DarknessLosesNothingThatIsMapped) {
+  SlamSystem system(SystemConfig(), SlamSystem::Mode::kSynchronous);
+  const auto& frames = walkingFrames();
+  for (int i = 0; i < 20; ++i) system.step(frames[i].frame);
+  const std::size_t keyframes = system.slam().keyframeCount(), landmarks = system.slam().landmarkCount();
+  for (int i = 20; i < 30; ++i) {
+    RgbdFrame dark = frames[i].frame;
+    dark.bgr = cv::Mat3b(dark.bgr.size(), cv::Vec3b(0, 0, 0));
+    dark.gray = cv::Mat1b(dark.gray.size(), std::uint8_t{0});
+    dark.depth_m = cv::Mat1f(dark.depth_m.size(), 0.0F);
+    const StepResult result = system.step(dark);
+    EXPECT_FALSE(result.posed);
+    EXPECT_EQ(result.tracking.state, TrackingState::kRecentlyLost);
+  }
+  EXPECT_EQ(system.slam().keyframeCount(), keyframes);
+  EXPECT_EQ(system.slam().landmarkCount(), landmarks);
+  EXPECT_TRUE(system.step(frames[30].frame).posed || system.step(frames[31].frame).posed);
+}
+
+TEST(SystemConfig, KeysAreUniqueAndTheDefaultsValid) {
+  EXPECT_NO_THROW(validateConfig(SystemConfig()));
+  std::set<std::string> keys;
+  for (const auto& entry : listConfig(SystemConfig())) {
+    EXPECT_TRUE(keys.insert(entry.key).second) << entry.key;
+    EXPECT_FALSE(entry.documentation.empty()) << entry.key;
+  }
+  EXPECT_GT(keys.count("tracking.orb.features"), 0U);
+  EXPECT_GT(keys.count("motion.model"), 0U);
+}
+
+TEST(SlamSystem, RefusesAConfigOutOfRangeByName) {
+  SystemConfig config;
+  config.slam.tracking.frame.search_radius_px = -1.0;
+  try {
+    SlamSystem system(config, SlamSystem::Mode::kSynchronous);
+    FAIL() << "must not be constructed";
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("search_radius_px"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace semantic_vslam

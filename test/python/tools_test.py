@@ -1,0 +1,171 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs the tools as a user does, on a small rendered sequence: a box before a wall, the camera moving sideways."""
+import filecmp
+import json
+import math
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+import cv2
+import numpy as np
+
+FRAMES, WIDTH, HEIGHT, FOCAL_PX = 40, 320, 240, 260.0
+WALL_M, BOX_M = 2.5, 1.6
+
+
+def program(name):
+    for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(":"):
+        path = os.path.join(prefix, "lib", "semantic_vslam", name)
+        if os.path.exists(path):
+            return path
+    raise unittest.SkipTest(f"{name} is in no prefix of CMAKE_PREFIX_PATH; run by ctest, or source devel/setup.bash")
+
+
+def run(name, *arguments):
+    return subprocess.run([program(name)] + [str(a) for a in arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          universal_newlines=True, timeout=300)
+
+
+def texture(seed):
+    """Noise of several sizes, so that features are found at every level of the pyramid."""
+    rng = np.random.RandomState(seed)
+    image = np.zeros((1024, 1024, 3), np.float32)
+    for cells in (16, 48, 128, 384):
+        image += cv2.resize(rng.rand(cells, cells, 3).astype(np.float32), (1024, 1024), interpolation=cv2.INTER_NEAREST)
+    return np.uint8(image / 4 * 255)
+
+
+def render(position, wall, box):
+    """Colour and depth (1/5000 m) of a camera at (x, y, 0) that looks along z."""
+    u, v = np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT))
+    ray_x, ray_y = (u - WIDTH / 2) / FOCAL_PX, (v - HEIGHT / 2) / FOCAL_PX
+    layers = []
+    for depth_m, picture in ((WALL_M, wall), (BOX_M, box)):
+        x_m, y_m = position[0] + ray_x * depth_m, position[1] + ray_y * depth_m
+        map_x, map_y = ((a + 2.5) * 200 for a in (x_m, y_m))  # 200 texture pixels a metre
+        layers.append((cv2.remap(picture, map_x.astype(np.float32), map_y.astype(np.float32), cv2.INTER_LINEAR), x_m, y_m))
+    on_box = (np.abs(layers[1][1]) < 0.4) & (np.abs(layers[1][2]) < 0.3)
+    colour = np.where(on_box[..., None], layers[1][0], layers[0][0])
+    return colour, np.where(on_box, BOX_M * 5000, WALL_M * 5000).astype(np.uint16)
+
+
+def write_sequence(folder):
+    for name in ("rgb", "depth"):
+        os.makedirs(os.path.join(folder, name))
+    wall, box = texture(1), texture(2)
+    with open(f"{folder}/rgb.txt", "w") as rgb, open(f"{folder}/depth.txt", "w") as depth, \
+            open(f"{folder}/groundtruth.txt", "w") as truth:
+        for i in range(FRAMES):
+            stamp = f"{1000 + i / 30:.6f}"
+            position = (0.5 * math.sin(0.06 * i), 0.15 * math.sin(0.1 * i))
+            colour, depth_image = render(position, wall, box)
+            cv2.imwrite(f"{folder}/rgb/{stamp}.png", colour)
+            cv2.imwrite(f"{folder}/depth/{stamp}.png", depth_image)
+            rgb.write(f"{stamp} rgb/{stamp}.png\n")
+            depth.write(f"{stamp} depth/{stamp}.png\n")
+            truth.write(f"{stamp} {position[0]:.6f} {position[1]:.6f} 0 0 0 0 1\n")
+    with open(f"{folder}/camera.yaml", "w") as camera:
+        camera.write(f"width: {WIDTH}\nheight: {HEIGHT}\nfx: {FOCAL_PX}\nfy: {FOCAL_PX}\ncx: {WIDTH / 2}\ncy: {HEIGHT / 2}\n")
+
+
+class ToolsTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        program("run_offline")
+        cls.folder = tempfile.mkdtemp(prefix="semantic_vslam_tools_")
+        cls.sequence = os.path.join(cls.folder, "sequence")
+        write_sequence(cls.sequence)
+        cls.camera = os.path.join(cls.sequence, "camera.yaml")
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+    def out(self, name):
+        return os.path.join(self.folder, name)
+
+    def offline(self, recording, name, *arguments):
+        done = run("run_offline", recording, "--camera", self.camera, "--out", self.out(name), *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(os.path.join(self.out(name), "summary.json")) as file:
+            return json.load(file)
+
+    def test_offline_follows_the_camera_and_writes_everything(self):
+        summary = self.offline(self.sequence, "run", "--masks")
+        self.assertEqual(summary["frames"], FRAMES)
+        self.assertGreaterEqual(summary["posed_share"], 0.95)
+        self.assertLess(summary["ate_rmse_m"], 0.01)
+        self.assertGreater(summary["cloud_points"], 1000)
+        self.assertIn("tracking", summary["stages"])
+        for name in ("trajectory.txt", "keyframes.txt", "cloud.pcd", "map.ot", "timing.csv", "overview.png"):
+            self.assertGreater(os.path.getsize(os.path.join(self.out("run"), name)), 0, name)
+        self.assertEqual(len(os.listdir(os.path.join(self.out("run"), "masks"))), FRAMES)
+
+        evaluated = run("evaluate_trajectory", f"{self.sequence}/groundtruth.txt", f"{self.out('run')}/trajectory.txt", "--json")
+        self.assertAlmostEqual(json.loads(evaluated.stdout)["ate_m"]["rmse"], summary["ate_rmse_m"], places=6)
+
+    def test_folder_and_bag_give_the_same_bytes(self):
+        bag = self.out("sequence.bag")
+        done = run("tum_to_bag", self.sequence, bag, "--camera", self.camera, "--lz4")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.offline(self.sequence, "from_folder", "--deterministic")
+        summary = self.offline(bag, "from_bag", "--deterministic")
+        self.assertIsNotNone(summary["ate_rmse_m"], "ground truth comes from the bag's tf")
+        for name in ("trajectory.txt", "keyframes.txt", "cloud.pcd", "map.ot"):
+            self.assertTrue(filecmp.cmp(f"{self.out('from_folder')}/{name}", f"{self.out('from_bag')}/{name}", shallow=False), name)
+
+    def test_start_and_frames_choose_a_part(self):
+        summary = self.offline(self.sequence, "part", "--start", 10, "--frames", 12, "--set", "dense.enabled=false")
+        self.assertEqual(summary["frames"], 12)
+        with open(os.path.join(self.out("part"), "timing.csv")) as file:
+            frames = [int(line.split(",")[1]) for line in file if line.startswith("tracking,")]
+        self.assertEqual(frames, list(range(10, 22)))
+        self.assertFalse(os.path.exists(os.path.join(self.out("part"), "cloud.pcd")))
+
+    def test_interrupt_writes_what_there_is(self):
+        command = [program("run_offline"), self.sequence, "--camera", self.camera, "--out", self.out("cut"), "--realtime"]
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, universal_newlines=True)
+        process.stderr.readline()  # the first message comes when the system is set up; at their own pace the frames
+        time.sleep(0.2)            # then take over a second
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 0)
+        with open(os.path.join(self.out("cut"), "summary.json")) as file:
+            summary = json.load(file)
+        self.assertTrue(summary["interrupted"])
+        self.assertLess(summary["frames"], FRAMES)
+        self.assertTrue(os.path.exists(os.path.join(self.out("cut"), "trajectory.txt")))
+
+    def test_mistakes_are_one_line_that_names_them(self):
+        truncated = self.out("truncated.bag")
+        run("tum_to_bag", self.sequence, truncated, "--frames", 5)
+        with open(truncated, "r+b") as file:
+            file.truncate(os.path.getsize(truncated) // 2)
+        cases = (
+            ((truncated,), "truncated.bag"),
+            (("/nonexistent",), "/nonexistent"),
+            ((self.sequence, "--set", "tracking.nonsense=1"), "tracking.nonsense"),
+            ((self.sequence, "--set", "motion.model=magic"), "motion.model"),
+            ((self.sequence, "--set", "segmentation.model=/nonexistent.onnx"), "/nonexistent.onnx"),
+            ((self.sequence, "--config", "/nonexistent.yaml"), "/nonexistent.yaml"),
+            ((self.sequence, "--start", "999"), "999"),
+            ((self.sequence, "--typo"), "--typo"),
+        )
+        for arguments, named in cases:
+            with self.subTest(arguments):
+                done = run("run_offline", *arguments, "--camera", self.camera, "--out", self.out("mistake"))
+                self.assertIn(done.returncode, (1, 2))
+                errors = [line for line in done.stderr.splitlines() if not line.startswith(("info:", "warning:"))]
+                self.assertEqual(len(errors), 1, done.stderr)
+                self.assertIn(named, errors[0])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,177 @@
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tests of models/training. Those that need PyTorch are skipped where it is absent: users need none."""
+import csv
+import os
+import sys
+import tempfile
+import unittest
+
+import cv2
+import numpy as np
+
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), '..', '..', 'models', 'training'))
+
+import augment
+from classes import IGNORE, NAMES, PERSON, label_of_coco
+
+try:
+    import torch
+    torch.set_num_threads(1)
+    import bisenetv2
+    import dataset
+    import evaluate
+    import export
+    import scores
+    import train
+except ImportError:
+    torch = None
+
+SIZE = (96, 64)
+
+
+def make_scenes(folder, count=12):
+    """Red people of varying place and size before green walls with blue monitors."""
+    rng = np.random.default_rng(2)
+    for name in ('images', 'labels'):
+        os.makedirs(os.path.join(folder, name))
+    for i in range(count):
+        image = np.full((64, 96, 3), (60, 160, 60), np.uint8)
+        label = np.zeros((64, 96), np.uint8)
+        for c, colour in ((PERSON, (40, 40, 200)), (NAMES.index('monitor'), (200, 60, 40))):
+            x, y, w, h = (int(rng.integers(*bounds)) for bounds in ((0, 60), (0, 20), (20, 36), (24, 44)))
+            cv2.rectangle(image, (x, y), (x + w, y + h), colour, -1)
+            cv2.rectangle(label, (x, y), (x + w, y + h), c, -1)
+        cv2.imwrite(os.path.join(folder, 'images', f'{i:03d}.png'), image)
+        cv2.imwrite(os.path.join(folder, 'labels', f'{i:03d}.png'), label)
+
+
+class Classes(unittest.TestCase):
+    def test_coco_names_map_to_ours(self):
+        table = label_of_coco({0: 'unlabeled', 1: 'person', 2: 'bicycle', 67: 'dining table', 72: 'tv'})
+        self.assertEqual((table[0], table[1], table[2]), (IGNORE, PERSON, 0))
+        self.assertEqual((table[67], table[72], table[99]), (NAMES.index('table'), NAMES.index('monitor'), IGNORE))
+
+
+class Augmentation(unittest.TestCase):
+    def setUp(self):
+        self.image = np.random.default_rng(1).integers(0, 256, (120, 160, 3), np.uint8)
+        self.label = np.zeros((120, 160), np.uint8)
+        self.label[30:90, 60:100] = PERSON
+
+    def test_crop_moves_image_and_label_alike(self):
+        image = np.repeat(np.where(self.label == PERSON, 255, 0).astype(np.uint8)[..., None], 3, 2)
+        for seed in range(20):
+            part, label = augment.crop(image, self.label, SIZE, np.random.default_rng(seed))
+            self.assertEqual((part.shape, label.shape), ((64, 96, 3), (64, 96)))
+            known = label != IGNORE
+            differ = ((part[..., 0] > 127) != (label == PERSON)) & known
+            self.assertLess(differ.mean(), 0.04)  # the object's edge alone
+
+    def test_photometric_keeps_the_shape_and_is_seeded(self):
+        for seed in range(20):
+            a = augment.photometric(self.image, np.random.default_rng(seed))
+            b = augment.photometric(self.image, np.random.default_rng(seed))
+            self.assertEqual((a.shape, a.dtype), (self.image.shape, np.uint8))
+            self.assertTrue((a == b).all())
+
+
+@unittest.skipIf(torch is None, 'needs PyTorch')
+class Network(unittest.TestCase):
+    def test_has_the_published_size(self):
+        parameters = bisenetv2.inference_parameters(bisenetv2.BiSeNetV2(21))
+        self.assertLess(abs(parameters / 3.36e6 - 1), 0.02)
+
+    def test_gives_logits_at_an_eighth_and_boosters_while_training(self):
+        model = bisenetv2.BiSeNetV2(11, head_channels=64)
+        images = torch.zeros(2, 3, 64, 96)
+        logits, boosters = model.train()(images)
+        self.assertEqual(tuple(logits.shape), (2, 11, 8, 12))
+        self.assertEqual([tuple(b.shape[2:]) for b in boosters], [(16, 24), (8, 12), (4, 6), (2, 3)])
+        self.assertEqual(tuple(model.eval()(images).shape), (2, 11, 8, 12))
+
+    def test_hard_pixel_loss_ignores_unlabelled_pixels(self):
+        logits = torch.zeros(1, 3, 2, 2)
+        logits[0, 1] = 9
+        label = torch.full((1, 16, 16), IGNORE, dtype=torch.long)
+        self.assertEqual(train.hard_pixel_loss(logits, label).item(), 0)
+        label[0, :8] = 0  # half the image is wrong: each such pixel loses about 9
+        self.assertAlmostEqual(train.hard_pixel_loss(logits, label).item(), 9, places=2)
+
+
+@unittest.skipIf(torch is None, 'needs PyTorch')
+class Scores(unittest.TestCase):
+    def test_iou_by_hand(self):
+        truth = np.array([[1, 1, 0, 0], [1, 1, 0, IGNORE]], np.uint8)
+        predicted = np.array([[1, 0, 0, 1], [1, 1, 0, 1]], np.uint8)
+        confusion = scores.Confusion()
+        confusion.add(truth, predicted)
+        iou = confusion.iou()
+        self.assertAlmostEqual(iou['person'], 3 / 5)
+        self.assertAlmostEqual(iou['background'], 2 / 4)
+        self.assertEqual(set(iou), {'person', 'background'})
+        self.assertAlmostEqual(scores.mean_iou(iou), 3 / 5)
+
+
+@unittest.skipIf(torch is None, 'needs PyTorch')
+class Training(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.data, self.out = os.path.join(self.folder.name, 'data'), os.path.join(self.folder.name, 'out')
+        make_scenes(self.data)
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def train(self, steps, *more):
+        return train.main(['--data', self.data, '--out', self.out, '--size', '96x64', '--steps', str(steps), '--batch', '4',
+                           '--head', '32', '--workers', '0', '--evaluate-every', '5', *more])
+
+    def losses(self):
+        with open(os.path.join(self.out, 'log.csv'), encoding='utf-8') as text:
+            return [float(row['loss']) for row in csv.DictReader(text)]
+
+    def test_a_few_steps_lower_the_loss(self):
+        self.train(25)
+        losses = self.losses()
+        self.assertLess(losses[-1], 0.75 * losses[0])
+
+    def test_goes_on_where_it_stopped(self):
+        self.train(5)
+        self.assertEqual(self.train(10).step, 10)
+        self.assertEqual(len(self.losses()), 2)
+        with self.assertRaises(SystemExit):
+            self.train(10, '--head', '64')
+
+    def test_samples_do_not_depend_on_when_they_are_asked_for(self):
+        sources = [(dataset.LabelledFolder(self.data), 1.0)]
+        first, again = (dataset.AugmentedSamples(sources, SIZE, 8) for _ in range(2))
+        first[0]
+        for x, y in zip(first[7], again[7]):
+            self.assertTrue(torch.equal(x, y))
+
+    def test_held_back_images_are_never_trained_on(self):
+        kept = dataset.LabelledFolder(self.data).split(held_back=False).pairs
+        held = dataset.LabelledFolder(self.data).split(held_back=True).pairs
+        self.assertEqual(len(kept) + len(held), 12)
+        self.assertFalse(set(kept) & set(held))
+
+    def test_a_checkpoint_is_scored_and_exported(self):
+        self.train(5)
+        checkpoint = os.path.join(self.out, 'last.pt')
+        result = evaluate.main([checkpoint, self.data, '--all', '--pictures', os.path.join(self.out, 'pictures')])
+        self.assertEqual(result['images'], 12)
+        self.assertEqual(len(os.listdir(os.path.join(self.out, 'pictures'))), 12)
+        onnx = os.path.join(self.out, 'net.onnx')
+        export.main([checkpoint, onnx])
+        self.assertGreater(os.path.getsize(onnx), 1e6)
+        with open(os.path.join(self.out, 'net.yaml'), encoding='utf-8') as text:
+            self.assertIn('width: 96', text.read())
+
+    def test_says_what_is_wrong_with_a_folder(self):
+        with self.assertRaisesRegex(SystemExit, 'no labelled folder'):
+            dataset.LabelledFolder(self.folder.name)
+
+
+if __name__ == '__main__':
+    unittest.main()

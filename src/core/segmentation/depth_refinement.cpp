@@ -17,285 +17,262 @@ namespace {
 const std::array<cv::Point, 8> kNeighbours{cv::Point(-1, -1), cv::Point(0, -1), cv::Point(1, -1), cv::Point(-1, 0),
                                            cv::Point(1, 0),   cv::Point(-1, 1), cv::Point(0, 1),  cv::Point(1, 1)};
 
-/// Pixels of every region, in raster order: those of region k are pixels[first[k]] to pixels[first[k + 1]].
-struct PixelLists {
-  std::vector<int> pixels;
-  std::vector<int> first;
-};
-
-PixelLists listPixels(const ConnectedRegions& regions) {
-  PixelLists lists;
-  lists.first.assign(regions.count + 1, 0);
-  const int* id = regions.id.ptr<int>();
-  const int total = static_cast<int>(regions.id.total());
-  for (int i = 0; i < total; ++i) {
-    if (id[i] >= 0) ++lists.first[id[i] + 1];
-  }
-  for (int k = 0; k < regions.count; ++k) lists.first[k + 1] += lists.first[k];
-  lists.pixels.resize(lists.first.back());
-  std::vector<int> next(lists.first.begin(), lists.first.end() - 1);
-  for (int i = 0; i < total; ++i) {
-    if (id[i] >= 0) lists.pixels[next[id[i]]++] = i;
-  }
-  return lists;
+template <class T>
+T medianOf(std::vector<T> values) {
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
 }
 
 float squaredDistance(const cv::Vec3f& a, const cv::Vec3f& b) {
-  const cv::Vec3f d = a - b;
-  return d.dot(d);
+  const float dx = a[0] - b[0], dy = a[1] - b[1], dz = a[2] - b[2];
+  return dx * dx + dy * dy + dz * dz;
 }
 
-cv::Mat3f pointsOf(const cv::Mat1b& labels, const RgbdFrame& frame) {
-  cv::Mat3f points(labels.size());
-  const cv::Mat2f& rays = frame.camera->rays();
-  for (int v = 0; v < labels.rows; ++v) {
-    for (int u = 0; u < labels.cols; ++u) {
-      if (labels(v, u) == 0) continue;
-      const float z = frame.depth_m(v, u);
-      points(v, u) = {rays(v, u)[0] * z, rays(v, u)[1] * z, z};
-    }
-  }
-  return points;
-}
-
-/// The pixel with depth that is nearest to the centroid.
-cv::Point seedOf(const std::vector<cv::Point>& with_depth, const cv::Point2d& centroid) {
-  const auto squared = [&centroid](const cv::Point& p) {
-    const cv::Point2d d(p.x - centroid.x, p.y - centroid.y);
-    return d.dot(d);
-  };
-  return *std::min_element(with_depth.begin(), with_depth.end(),
-                           [&squared](const cv::Point& a, const cv::Point& b) { return squared(a) < squared(b); });
-}
-
-/// Median of the depths that are not 0; 0 if there are none.
-float medianDepth(const cv::Mat3f& points_m, const int* begin, const int* end) {
-  std::vector<float> depths;
-  depths.reserve(end - begin);
-  for (const int* i = begin; i != end; ++i) {
-    const float z = points_m.ptr<cv::Vec3f>()[*i][2];
-    if (z > 0.0F) depths.push_back(z);
-  }
-  if (depths.empty()) return 0.0F;
-  std::nth_element(depths.begin(), depths.begin() + depths.size() / 2, depths.end());
-  return depths[depths.size() / 2];
-}
-
-/// What is known of one connected mask before it is grown.
+/// One connected mask: its pixels, where it is grown from and how far it may step.
 struct Mask {
-  bool has_depth = false;
-  cv::Point seed;
-  float squared_threshold_m2 = 0.0F;  ///< T^2 of eq. (4) at median_depth_m; infinite where no rho could be taken
-  float median_depth_m = 0.0F;
+  std::vector<int> pixels;  ///< row * width + column, in raster order
+  MaskMoments moments;
+  int seed = -1;                         ///< pixel; -1: the mask has no depth
+  float squared_threshold_m2 = 0.0F;     ///< T^2 of eq. (4) at the reference depth
+  float inverse_reference_depth = 0.0F;  ///< 1/m
 };
 
-Mask prepareMask(const ConnectedRegions& masks, int mask_id, const int* begin, const int* end,
-                 const cv::Mat3f& points_m, const RefinementConfig& config) {
-  std::vector<cv::Point> pixels, with_depth;
-  pixels.reserve(end - begin);
-  with_depth.reserve(end - begin);
-  for (const int* i = begin; i != end; ++i) {
-    const cv::Point p(*i % masks.id.cols, *i / masks.id.cols);
-    pixels.push_back(p);
-    if (points_m(p)[2] > 0.0F) with_depth.push_back(p);
+/// Collects the masks' pixels and computes the 3-D points of all of them; other points stay undefined.
+std::vector<Mask> collectMasks(const ConnectedRegions& masks, const RgbdFrame& frame, cv::Mat3f& points_m) {
+  std::vector<Mask> collected(masks.count);
+  for (int m = 0; m < masks.count; ++m) collected[m].pixels.reserve(masks.size_px[m]);
+  points_m.create(masks.id.size());
+  for (int v = 0, i = 0; v < masks.id.rows; ++v) {
+    const int* id = masks.id[v];
+    const float* depth_m = frame.depth_m[v];
+    const cv::Vec2f* ray = frame.camera->rays()[v];
+    cv::Vec3f* point_m = points_m[v];
+    for (int u = 0; u < masks.id.cols; ++u, ++i) {
+      if (id[u] < 0) continue;
+      collected[id[u]].pixels.push_back(i);
+      collected[id[u]].moments.add({u, v});
+      point_m[u] = {ray[u][0] * depth_m[u], ray[u][1] * depth_m[u], depth_m[u]};
+    }
   }
-  Mask mask;
-  mask.has_depth = !with_depth.empty();
-  if (!mask.has_depth) return mask;
-  mask.median_depth_m = medianDepth(points_m, begin, end);
-  mask.seed = seedOf(with_depth, centroidByMoments(pixels));
+  return collected;
+}
+
+/// The centroid's pixel, or the mask's nearest to it that has depth; -1 if none has.
+int findSeed(const Mask& mask, const ConnectedRegions& masks, int mask_id, const cv::Mat3f& points_m) {
+  const cv::Point2d centroid = mask.moments.centroid();
+  const cv::Point at(cvRound(centroid.x), cvRound(centroid.y));
+  if (masks.id(at) == mask_id && points_m(at)[2] > 0.0F) return at.y * masks.id.cols + at.x;
+  int nearest = -1;
+  double nearest_squared_px = std::numeric_limits<double>::infinity();
+  for (const int i : mask.pixels) {
+    if (points_m.ptr<cv::Vec3f>()[i][2] == 0.0F) continue;
+    const double dx = i % masks.id.cols - centroid.x, dy = i / masks.id.cols - centroid.y;
+    if (dx * dx + dy * dy < nearest_squared_px) {
+      nearest_squared_px = dx * dx + dy * dy;
+      nearest = i;
+    }
+  }
+  return nearest;
+}
+
+/// Median over some pixels of the mask, evenly taken: the depth that its threshold holds at.
+float typicalDepth(const Mask& mask, const cv::Mat3f& points_m) {
+  constexpr std::size_t kPixels = 255;
+  std::vector<float> depths;
+  for (std::size_t k = 0; k < mask.pixels.size(); k += 1 + mask.pixels.size() / kPixels) {
+    const float z = points_m.ptr<cv::Vec3f>()[mask.pixels[k]][2];
+    if (z > 0.0F) depths.push_back(z);
+  }
+  return depths.empty() ? points_m.ptr<cv::Vec3f>()[mask.seed][2] : medianOf(std::move(depths));
+}
+
+void prepareGrowth(Mask& mask, const ConnectedRegions& masks, int mask_id, const cv::Mat3f& points_m,
+                   const RefinementConfig& config) {
+  mask.seed = findSeed(mask, masks, mask_id, points_m);
+  if (mask.seed < 0) return;
   Rng rng(static_cast<std::uint64_t>(config.seed));
   const double rho_m =
-      neighbourDistance(masks.id, mask_id, with_depth, points_m, config.samples, config.average == "median", rng);
-  const double threshold_m = config.epsilon * rho_m;  // eq. (4)
-  mask.squared_threshold_m2 =
-      rho_m > 0.0 ? static_cast<float>(threshold_m * threshold_m) : std::numeric_limits<float>::infinity();
-  return mask;
+      neighbourDistance(masks.id, mask_id, mask.pixels, points_m, config.samples, config.average == "median", rng);
+  const double threshold_m = rho_m > 0.0 ? config.epsilon * rho_m : std::numeric_limits<double>::infinity();  // eq. (4)
+  mask.squared_threshold_m2 = static_cast<float>(threshold_m * threshold_m);
+  mask.inverse_reference_depth = 1.0F / typicalDepth(mask, points_m);
+}
+
+/// Splits the masks into pieces that growth does not cross: surfaces without a step of T or more, and holes.
+/// All growths at once: what a seed reaches is the piece it lies in.
+ConnectedRegions splitMasks(const ConnectedRegions& masks, const std::vector<Mask>& prepared,
+                            const cv::Mat3f& points_m) {
+  const int* mask_of = masks.id.ptr<int>();
+  const auto* point_m = points_m.ptr<cv::Vec3f>();
+  const auto joined = [&](int a, int b) {
+    if (mask_of[a] != mask_of[b]) return false;
+    const float za = point_m[a][2], zb = point_m[b][2];
+    if (za == 0.0F || zb == 0.0F) return za == zb;
+    // Pixels of a farther part lie farther apart: the threshold grows with them.
+    const Mask& mask = prepared[mask_of[a]];
+    const float farther = std::max(1.0F, std::min(za, zb) * mask.inverse_reference_depth);
+    return squaredDistance(point_m[a], point_m[b]) < mask.squared_threshold_m2 * farther * farther;
+  };
+  return connectRegions(
+      masks.id.size(), [mask_of](int i) { return mask_of[i] >= 0; }, joined);
 }
 
 /// A piece of a mask: one depth-continuous surface, or one hole.
-struct Region {
-  int mask_id = 0;
+struct Piece {
+  int mask_id = -1;
   int size_px = 0;
+  int border_px = 0;
   bool hole = false;
   bool person = false;
-  float median_depth_m = 0.0F;
-  double thickness_px = 0.0;  ///< mean width: a band of width w has 2 border pixels for every w pixels
+  bool keep = false;
+  double depth_sum_m = 0.0;
+
+  double depthM() const { return depth_sum_m / size_px; }
+  /// Mean width: a band of width w has 2 border pixels for every w pixels.
+  double thicknessPx() const { return 2.0 * size_px / border_px; }
 };
 
-/// Number of a part's pixels that have a neighbour outside of it, or lie on the image's edge.
-int borderPixels(const ConnectedRegions& parts, const int* begin, const int* end) {
-  const int width = parts.id.cols, height = parts.id.rows;
-  const int* id = parts.id.ptr<int>();
-  int border = 0;
-  for (const int* i = begin; i != end; ++i) {
-    const int u = *i % width, v = *i / width, part = id[*i];
-    const bool inside = u > 0 && v > 0 && u + 1 < width && v + 1 < height && id[*i - 1] == part && id[*i + 1] == part &&
-                        id[*i - width] == part && id[*i + width] == part;
-    if (!inside) ++border;
+std::vector<Piece> describePieces(const ConnectedRegions& parts, const ConnectedRegions& masks,
+                                  const cv::Mat3f& points_m, const cv::Mat1b& labels, const LabelSet& label_set) {
+  std::vector<Piece> pieces(parts.count);
+  const int rows = parts.id.rows, cols = parts.id.cols;
+  for (int v = 0; v < rows; ++v) {
+    const int* id = parts.id[v];
+    const int* above = parts.id[std::max(v - 1, 0)];
+    const int* below = parts.id[std::min(v + 1, rows - 1)];
+    for (int u = 0; u < cols; ++u) {
+      if (id[u] < 0) continue;
+      Piece& piece = pieces[id[u]];
+      const float z = points_m(v, u)[2];
+      if (piece.mask_id < 0) {
+        piece.mask_id = masks.id(v, u);
+        piece.hole = z == 0.0F;
+        piece.person = label_set.mobility(labels(v, u)) == Mobility::kPerson;
+      }
+      ++piece.size_px;
+      piece.depth_sum_m += z;
+      const bool inside = v > 0 && v + 1 < rows && u > 0 && u + 1 < cols && id[u - 1] == id[u] && id[u + 1] == id[u] &&
+                          above[u] == id[u] && below[u] == id[u];
+      if (!inside) ++piece.border_px;
+    }
   }
-  return border;
+  return pieces;
 }
 
-std::vector<Region> describeRegions(const ConnectedRegions& parts, const PixelLists& lists,
-                                    const ConnectedRegions& masks, const cv::Mat3f& points_m, const cv::Mat1b& labels,
-                                    const LabelSet& label_set) {
-  std::vector<Region> regions(parts.count);
-  for (int k = 0; k < parts.count; ++k) {
-    const int* begin = lists.pixels.data() + lists.first[k];
-    const int* end = lists.pixels.data() + lists.first[k + 1];
-    Region& region = regions[k];
-    region.mask_id = masks.id.ptr<int>()[*begin];
-    region.size_px = static_cast<int>(end - begin);
-    region.hole = points_m.ptr<cv::Vec3f>()[*begin][2] == 0.0F;
-    region.person = label_set.mobility(labels.ptr<std::uint8_t>()[*begin]) == Mobility::kPerson;
-    if (region.hole) continue;
-    region.median_depth_m = medianDepth(points_m, begin, end);
-    region.thickness_px = 2.0 * region.size_px / borderPixels(parts, begin, end);
-  }
-  return regions;
-}
-
-/// The seed's region, or the mask's largest where the seed fell on something less than half as large.
-std::vector<int> mainRegions(const std::vector<Mask>& masks, const std::vector<Region>& regions,
-                             const ConnectedRegions& parts) {
-  std::vector<int> largest(masks.size(), -1);
-  for (std::size_t k = 0; k < regions.size(); ++k) {
-    int& best = largest[regions[k].mask_id];
-    if (!regions[k].hole && (best < 0 || regions[k].size_px > regions[best].size_px)) best = static_cast<int>(k);
+/// The seed's piece of each mask, or its largest where the seed fell on something less than half as large; -1: none.
+std::vector<int> mainPieces(const std::vector<Mask>& masks, const std::vector<Piece>& pieces,
+                            const ConnectedRegions& parts) {
+  std::vector<int> main(masks.size(), -1);
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    int& largest = main[pieces[k].mask_id];
+    if (!pieces[k].hole && (largest < 0 || pieces[k].size_px > pieces[largest].size_px)) largest = static_cast<int>(k);
   }
   for (std::size_t m = 0; m < masks.size(); ++m) {
-    if (largest[m] < 0) continue;
-    const int seeded = parts.id(masks[m].seed);
-    if (2 * regions[seeded].size_px >= regions[largest[m]].size_px) largest[m] = seeded;
+    if (main[m] < 0) continue;
+    const int seeded = parts.id.ptr<int>()[masks[m].seed];
+    if (2 * pieces[seeded].size_px >= pieces[main[m]].size_px) main[m] = seeded;
   }
-  return largest;
+  return main;
 }
 
-std::vector<char> keptSurfaces(const std::vector<Region>& regions, const std::vector<int>& main_of_mask,
-                               const PixelLists& mask_pixels, const RefinementConfig& config) {
-  std::vector<char> keep(regions.size(), 0);
-  for (std::size_t k = 0; k < regions.size(); ++k) {
-    const Region& region = regions[k];
-    const int main = main_of_mask[region.mask_id];
-    if (region.hole || main < 0) continue;
-    const int mask_px = mask_pixels.first[region.mask_id + 1] - mask_pixels.first[region.mask_id];
-    const bool large = config.min_region_share < 1.0 && region.size_px >= config.min_region_share * mask_px;
-    const bool solid = region.thickness_px >= config.min_thickness_px;
-    const bool near = std::abs(region.median_depth_m - regions[main].median_depth_m) <= config.object_depth_m;
-    keep[k] = static_cast<int>(k) == main || (large && solid && (near || region.person));
+void keepSurfaces(std::vector<Piece>& pieces, const std::vector<int>& main, const std::vector<Mask>& masks,
+                  const RefinementConfig& config) {
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    Piece& piece = pieces[k];
+    const int main_piece = main[piece.mask_id];
+    if (piece.hole || main_piece < 0) continue;
+    const bool large =
+        config.min_region_share < 1.0 &&
+        piece.size_px >= config.min_region_share * static_cast<double>(masks[piece.mask_id].pixels.size());
+    const bool solid = piece.thicknessPx() >= config.min_thickness_px;
+    const bool near = std::abs(piece.depthM() - pieces[main_piece].depthM()) <= config.object_depth_m;
+    piece.keep = static_cast<int>(k) == main_piece || (large && solid && (near || piece.person));
   }
-  return keep;
 }
 
 /// A hole stays if most of the pixels around it do. What lies outside the mask counts against it: sensors lose depth
 /// beside an object, in its shadow, as well as on it.
-void keepEnclosedHoles(const std::vector<Region>& regions, const ConnectedRegions& parts, const PixelLists& lists,
-                       const std::vector<int>& main_of_mask, std::vector<char>& keep) {
+void keepEnclosedHoles(std::vector<Piece>& pieces, const std::vector<int>& main, const std::vector<Mask>& masks,
+                       const ConnectedRegions& parts) {
   const cv::Rect image({0, 0}, parts.id.size());
-  const std::vector<char> surface_kept = keep;
-  for (std::size_t k = 0; k < regions.size(); ++k) {
-    if (!regions[k].hole) continue;
-    if (main_of_mask[regions[k].mask_id] < 0) {  // no depth in the whole mask
-      keep[k] = 1;
-      continue;
-    }
-    int balance = 0;
-    for (int i = lists.first[k]; i < lists.first[k + 1]; ++i) {
-      const cv::Point p(lists.pixels[i] % image.width, lists.pixels[i] / image.width);
+  std::vector<int> balance(pieces.size(), 0);
+  for (const Mask& mask : masks) {
+    for (const int i : mask.pixels) {
+      const int hole = parts.id.ptr<int>()[i];
+      if (!pieces[hole].hole) continue;
+      const cv::Point p(i % image.width, i / image.width);
       for (const cv::Point& step : kNeighbours) {
-        const cv::Point q = p + step;
-        if (!image.contains(q)) continue;
-        const int part = parts.id(q);
-        if (part == static_cast<int>(k)) continue;
-        balance += part >= 0 && surface_kept[part] ? 1 : -1;
+        if (!image.contains(p + step)) continue;
+        const int part = parts.id(p + step);
+        if (part != hole) balance[hole] += part >= 0 && pieces[part].keep ? 1 : -1;
       }
     }
-    keep[k] = balance > 0;
   }
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    const bool no_depth_at_all = main[pieces[k].mask_id] < 0;
+    if (pieces[k].hole) pieces[k].keep = no_depth_at_all || balance[k] > 0;
+  }
+}
+
+/// Mean distance of a pixel to its neighbours in the mask, the largest and smallest left out; negative if it has fewer
+/// than three.
+double trimmedNeighbourMean(const cv::Mat1i& mask, int mask_id, const cv::Point& p, const cv::Mat3f& points_m) {
+  const cv::Rect image({0, 0}, mask.size());
+  double sum = 0.0, smallest = std::numeric_limits<double>::infinity(), largest = 0.0;
+  int count = 0;
+  for (const cv::Point& step : kNeighbours) {
+    const cv::Point q = p + step;
+    if (!image.contains(q) || mask(q) != mask_id || points_m(q)[2] == 0.0F) continue;
+    const double distance_m = std::sqrt(squaredDistance(points_m(p), points_m(q)));
+    sum += distance_m;
+    smallest = std::min(smallest, distance_m);
+    largest = std::max(largest, distance_m);
+    ++count;
+  }
+  return count >= 3 ? (sum - smallest - largest) / (count - 2) : -1.0;
 }
 
 }  // namespace
 
-cv::Point2d centroidByMoments(const std::vector<cv::Point>& pixels) {
-  assert(!pixels.empty());
-  double m10 = 0.0, m01 = 0.0;
-  for (const cv::Point& p : pixels) {
-    m10 += p.x;
-    m01 += p.y;
-  }
-  const auto m00 = static_cast<double>(pixels.size());
-  return {m10 / m00, m01 / m00};  // eq. (2)
-}
-
-double neighbourDistance(const cv::Mat1i& mask, int mask_id, const std::vector<cv::Point>& pixels,
-                         const cv::Mat3f& points_m, int samples, bool median, Rng& rng) {
-  const cv::Rect image({0, 0}, mask.size());
+double neighbourDistance(const cv::Mat1i& mask, int mask_id, const std::vector<int>& pixels, const cv::Mat3f& points_m,
+                         int samples, bool median, Rng& rng) {
+  constexpr int kDrawsPerSample = 8;  // pixels without depth are drawn in vain; a mask may have few with
   std::vector<double> means;
-  for (int n = 0; n < samples; ++n) {
-    const cv::Point p = pixels[rng.below(pixels.size())];
-    double sum = 0.0, smallest = std::numeric_limits<double>::infinity(), largest = 0.0;
-    int count = 0;
-    for (const cv::Point& step : kNeighbours) {
-      const cv::Point q = p + step;
-      if (!image.contains(q) || mask(q) != mask_id || points_m(q)[2] == 0.0F) continue;
-      const double distance_m = std::sqrt(squaredDistance(points_m(p), points_m(q)));
-      sum += distance_m;
-      smallest = std::min(smallest, distance_m);
-      largest = std::max(largest, distance_m);
-      ++count;
-    }
-    if (count >= 3) means.push_back((sum - smallest - largest) / (count - 2));  // eq. (3), one pixel
+  for (int draw = 0; draw < kDrawsPerSample * samples && static_cast<int>(means.size()) < samples; ++draw) {
+    const int i = pixels[rng.below(pixels.size())];
+    const cv::Point p(i % mask.cols, i / mask.cols);
+    if (points_m(p)[2] == 0.0F) continue;
+    const double mean = trimmedNeighbourMean(mask, mask_id, p, points_m);
+    if (mean >= 0.0) means.push_back(mean);
   }
   if (means.empty()) return 0.0;
-  if (!median) return std::accumulate(means.begin(), means.end(), 0.0) / static_cast<double>(means.size());
-  std::nth_element(means.begin(), means.begin() + means.size() / 2, means.end());
-  return means[means.size() / 2];
+  if (median) return medianOf(std::move(means));
+  return std::accumulate(means.begin(), means.end(), 0.0) / static_cast<double>(means.size());  // eq. (3)
 }
 
 cv::Mat1b refineOnDepth(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame,
                         const RefinementConfig& config) {
-  assert(labels.size() == frame.depth_m.size());
+  assert(labels.size() == frame.depth_m.size() && labels.isContinuous());
   if (!config.enabled) return labels.clone();
   const std::uint8_t* label = labels.ptr<std::uint8_t>();
   const ConnectedRegions masks = connectRegions(
       labels.size(), [label](int i) { return label[i] != 0; }, [label](int a, int b) { return label[a] == label[b]; });
-  const PixelLists mask_pixels = listPixels(masks);
-  const cv::Mat3f points_m = pointsOf(labels, frame);
-  std::vector<Mask> prepared(masks.count);
-  for (int m = 0; m < masks.count; ++m) {
-    const int* pixels = mask_pixels.pixels.data();
-    prepared[m] =
-        prepareMask(masks, m, pixels + mask_pixels.first[m], pixels + mask_pixels.first[m + 1], points_m, config);
-  }
+  cv::Mat3f points_m;
+  std::vector<Mask> prepared = collectMasks(masks, frame, points_m);
+  for (int m = 0; m < masks.count; ++m) prepareGrowth(prepared[m], masks, m, points_m, config);
+  const ConnectedRegions parts = splitMasks(masks, prepared, points_m);
 
-  // All growths at once: what the seed reaches is the connected region it lies in.
-  const int* mask_of = masks.id.ptr<int>();
-  const auto* point = points_m.ptr<cv::Vec3f>();
-  const ConnectedRegions parts = connectRegions(
-      labels.size(), [mask_of](int i) { return mask_of[i] >= 0; },
-      [&](int a, int b) {
-        if (mask_of[a] != mask_of[b]) return false;
-        const bool hole_a = point[a][2] == 0.0F, hole_b = point[b][2] == 0.0F;
-        if (hole_a || hole_b) return hole_a && hole_b;
-        // Pixels of a farther part lie farther apart: the threshold grows with them.
-        const Mask& mask = prepared[mask_of[a]];
-        const float farther = std::max(1.0F, std::min(point[a][2], point[b][2]) / mask.median_depth_m);
-        return squaredDistance(point[a], point[b]) < mask.squared_threshold_m2 * farther * farther;
-      });
-  const PixelLists part_pixels = listPixels(parts);
-  const std::vector<Region> regions = describeRegions(parts, part_pixels, masks, points_m, labels, label_set);
-  const std::vector<int> main_of_mask = mainRegions(prepared, regions, parts);
-  std::vector<char> keep = keptSurfaces(regions, main_of_mask, mask_pixels, config);
-  keepEnclosedHoles(regions, parts, part_pixels, main_of_mask, keep);
+  std::vector<Piece> pieces = describePieces(parts, masks, points_m, labels, label_set);
+  const std::vector<int> main = mainPieces(prepared, pieces, parts);
+  keepSurfaces(pieces, main, prepared, config);
+  keepEnclosedHoles(pieces, main, prepared, parts);
 
-  cv::Mat1b refined(labels.size());
-  std::uint8_t* out = refined.ptr<std::uint8_t>();
-  const int* part_of = parts.id.ptr<int>();
-  for (int i = 0; i < static_cast<int>(labels.total()); ++i) {
-    const bool noise =
-        part_of[i] < 0 || mask_pixels.first[mask_of[i] + 1] - mask_pixels.first[mask_of[i]] < config.min_mask_px;
-    out[i] = !noise && keep[part_of[i]] ? label[i] : 0;
+  cv::Mat1b refined(labels.size(), std::uint8_t{0});
+  for (const Mask& mask : prepared) {
+    if (static_cast<int>(mask.pixels.size()) < config.min_mask_px) continue;
+    for (const int i : mask.pixels) {
+      if (pieces[parts.id.ptr<int>()[i]].keep) refined.ptr<std::uint8_t>()[i] = label[i];
+    }
   }
   return refined;
 }

@@ -21,6 +21,7 @@ TEST(ConnectRegions, JoinsOverCornersAndNumbersByFirstPixel) {
                                               ".a.b",  //
                                               "c.a."});
   EXPECT_EQ(regions.count, 3);
+  EXPECT_EQ(regions.size_px, (std::vector<int>{3, 2, 1}));
   EXPECT_EQ(regions.id(0, 0), 0);
   EXPECT_EQ(regions.id(1, 1), 0);
   EXPECT_EQ(regions.id(2, 2), 0);

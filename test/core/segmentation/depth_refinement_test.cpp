@@ -42,10 +42,13 @@ RefinementConfig asPublished() {
   return config;
 }
 
-TEST(CentroidByMoments, IsTheMeanOfTheCoordinates) {
-  const cv::Point2d centroid = centroidByMoments({{0, 0}, {4, 0}, {4, 3}, {0, 3}, {7, 9}});
-  EXPECT_DOUBLE_EQ(centroid.x, 3.0);
-  EXPECT_DOUBLE_EQ(centroid.y, 3.0);
+TEST(MaskMoments, GiveTheCentroid) {
+  MaskMoments moments;
+  for (const cv::Point& p : {cv::Point(0, 0), cv::Point(4, 0), cv::Point(4, 3), cv::Point(0, 3), cv::Point(7, 9)}) {
+    moments.add(p);
+  }
+  EXPECT_DOUBLE_EQ(moments.centroid().x, 3.0);
+  EXPECT_DOUBLE_EQ(moments.centroid().y, 3.0);
 }
 
 class NeighbourDistance : public testing::Test {
@@ -62,7 +65,7 @@ class NeighbourDistance : public testing::Test {
   }
   cv::Mat1i mask_;
   cv::Mat3f points_m_;
-  std::vector<cv::Point> pixels_{{1, 1}};
+  std::vector<int> pixels_{4};
 };
 
 TEST_F(NeighbourDistance, LeavesTheLargestAndSmallestOut) {
@@ -87,7 +90,7 @@ TEST_F(NeighbourDistance, AveragesOverTheSamplesByMeanOrMedian) {
   for (int v = 0; v < 3; ++v) {
     for (int u = 0; u < 30; ++u) points_m_(v, u) = {0.01F * u, 0.01F * v, u < 28 ? 1.0F : 2.0F};
   }
-  pixels_ = {{5, 1}, {15, 1}, {27, 1}};
+  pixels_ = {30 + 5, 30 + 15, 30 + 27};
   EXPECT_NEAR(measure(301, true), 0.0120711, 1e-6);
   EXPECT_GT(measure(301, false), 0.05);
 }

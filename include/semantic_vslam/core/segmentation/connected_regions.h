@@ -12,6 +12,7 @@ namespace semantic_vslam {
 struct ConnectedRegions {
   cv::Mat1i id;  ///< region of each pixel; -1: none
   int count = 0;
+  std::vector<int> size_px;  ///< of each region
 };
 
 /// Splits the pixels that `active(index)` names into 8-connected regions of pixels that `joined(a, b)` puts together;
@@ -28,7 +29,7 @@ ConnectedRegions connectRegions(const cv::Size& size, const Active& active, cons
     return i;
   };
   const auto join = [&](int a, int b) {
-    if (parent[b] < 0 || !joined(a, b)) return;
+    if (parent[b] < 0 || parent[a] == parent[b] || !joined(a, b)) return;
     const int root_a = rootOf(a), root_b = rootOf(b);
     parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
   };
@@ -43,14 +44,16 @@ ConnectedRegions connectRegions(const cv::Size& size, const Active& active, cons
       if (u + 1 < width) join(i, i - width + 1);
     }
   }
-  // Parents come first, so that one more scan turns the forest into numbers.
-  std::vector<int> number(size.area());
+  // Parents come first, so that one more scan turns the forest into numbers in place.
   for (int i = 0; i < size.area(); ++i) {
     if (parent[i] < 0) continue;
-    number[i] = parent[i] == i ? regions.count++ : number[parent[i]];
-  }
-  for (int i = 0; i < size.area(); ++i) {
-    if (parent[i] >= 0) parent[i] = number[i];
+    if (parent[i] == i) {
+      parent[i] = regions.count++;
+      regions.size_px.push_back(1);
+    } else {
+      parent[i] = parent[parent[i]];
+      ++regions.size_px[parent[i]];
+    }
   }
   return regions;
 }

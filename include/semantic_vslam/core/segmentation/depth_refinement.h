@@ -37,22 +37,30 @@ struct RefinementConfig {
     v.field("min_thickness_px", min_thickness_px, 0.0, 1000.0,
             "and are this thick on average, px: a mask that is too large leaves a thin band of what lies behind");
     v.field("object_depth_m", object_depth_m, 0.0, 10.0,
-            "and if their median depth lies within this of the seed region's, m: an arm before a body, not the wall; "
+            "and if their mean depth lies within this of the seed region's, m: an arm before a body, not the wall; "
             "people stay at any depth, since two who overlap make one mask");
   }
 };
 
-/// Eq. (2): centroid (m10 / m00, m01 / m00) of a mask by its moments. @param pixels  not empty
-cv::Point2d centroidByMoments(const std::vector<cv::Point>& pixels);
+/// Eq. (2): centroid (m10 / m00, m01 / m00) of a mask by its moments.
+struct MaskMoments {
+  double m00 = 0.0, m10 = 0.0, m01 = 0.0;
+  void add(const cv::Point& pixel) {
+    m00 += 1.0;
+    m10 += pixel.x;
+    m01 += pixel.y;
+  }
+  cv::Point2d centroid() const { return {m10 / m00, m01 / m00}; }
+};
 
 /// Eq. (3): how far apart neighbouring points of an object lie. For each of `samples` random pixels the mean 3-D
 /// distance to its 8 neighbours in the mask, the largest and the smallest left out; of those the mean or the median.
 /// @param mask      height x width; neighbours count where mask equals mask_id
-/// @param pixels    the mask's pixels with depth
-/// @param points_m  3-D point of each of them; z = 0 where none
+/// @param pixels    the mask's pixels, row * width + column; not empty
+/// @param points_m  3-D point of each of them; z = 0 where none, and such a pixel is no sample and no neighbour
 /// @return metres; 0 if no sample has three neighbours
-double neighbourDistance(const cv::Mat1i& mask, int mask_id, const std::vector<cv::Point>& pixels,
-                         const cv::Mat3f& points_m, int samples, bool median, Rng& rng);
+double neighbourDistance(const cv::Mat1i& mask, int mask_id, const std::vector<int>& pixels, const cv::Mat3f& points_m,
+                         int samples, bool median, Rng& rng);
 
 /// Cuts every connected mask back to the object it lies on (the paper's table 1). From the mask's centroid, or the
 /// nearest pixel of it with depth, the region grows over 8 neighbours inside the mask while their 3-D distance is below
@@ -62,7 +70,7 @@ double neighbourDistance(const cv::Mat1i& mask, int mask_id, const std::vector<c
 /// - a part that the growth cannot reach (an arm before the body, a person behind a chair's leg) is grown from a seed
 ///   of its own and stays if it is large and thick enough and about as far away (min_region_share, min_thickness_px,
 ///   object_depth_m). If the centroid fell on something small, the mask's largest region takes the seed's place;
-/// - T holds at the mask's median depth and grows with depth beyond it, as the pixels' own spacing does;
+/// - T holds at the samples' median depth and grows with depth beyond it, as the pixels' own spacing does;
 /// - pixels without depth stay where most of the pixels around their hole stay; a mask without any depth stays whole.
 ///
 /// @param labels  height x width, indices into label_set; @param frame  of the same size

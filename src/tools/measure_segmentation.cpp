@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Runs network and refinement over a TUM folder and measures both against its true masks or labels.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+
+#include "semantic_vslam/core/common/arguments.h"
+#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/eval/mask_score.h"
+#include "semantic_vslam/core/eval/stage_timing.h"
+#include "semantic_vslam/core/io/image_file.h"
+#include "semantic_vslam/core/io/tum_sequence.h"
+#include "semantic_vslam/core/segmentation/label_picture.h"
+#include "semantic_vslam/core/segmentation/onnx_segmenter.h"
+
+namespace {
+
+using namespace semantic_vslam;
+namespace fs = std::filesystem;
+
+constexpr const char* kUsage =
+    "usage: measure_segmentation SEQUENCE_DIR --camera FILE (--set model=FILE.onnx | --dilate PX) [options]\n"
+    "Truth: SEQUENCE_DIR/labels/*.png (person = 1) or mask/*.png (255 = person).\n"
+    "  --set KEY=VALUE  a key of the segmentation stage, e.g. refinement.epsilon=3\n"
+    "  --dilate PX      true masks, made this much larger, take the network's place: the refinement alone\n"
+    "  --every N        every N-th frame (10)\n"
+    "  --pictures DIR   overlays: the network's labels on the left, refined on the right, true people outlined\n";
+
+/// Labelled points that lie off the object they are labelled as, and object points that lost their label.
+struct PointErrors {
+  double labelled = 0.0, off = 0.0, real = 0.0, lost = 0.0;
+
+  void add(const cv::Mat1b& labels, const cv::Mat1b& truth, const cv::Mat1f& depth_m) {
+    const cv::Mat1b point = depth_m > 0.0F, wrong = labels != truth;
+    labelled += cv::countNonZero(point & (labels != 0));
+    off += cv::countNonZero(point & (labels != 0) & wrong);
+    real += cv::countNonZero(point & (truth != 0));
+    lost += cv::countNonZero(point & (truth != 0) & wrong);
+  }
+  double offShare() const { return off / std::max(labelled, 1.0); }
+  double lostShare() const { return lost / std::max(real, 1.0); }
+};
+
+cv::Mat1b trueLabels(const fs::path& folder, const std::string& rgb_file) {
+  const std::string name = fs::path(rgb_file).stem().string() + ".png";
+  if (fs::exists(folder / "labels" / name)) {
+    return readImageFile((folder / "labels" / name).string(), cv::IMREAD_GRAYSCALE);
+  }
+  const cv::Mat1b mask = readImageFile((folder / "mask" / name).string(), cv::IMREAD_GRAYSCALE);
+  return mask / 255;
+}
+
+cv::Mat1b dilateLabels(const cv::Mat1b& truth, int by_px) {
+  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * by_px + 1, 2 * by_px + 1});
+  double last = 0.0;
+  cv::minMaxLoc(truth, nullptr, &last);
+  cv::Mat1b labels = truth.clone();
+  for (int label = 1; label <= last; ++label) {
+    cv::Mat1b mask;
+    cv::dilate(truth == label, mask, disc);
+    labels.setTo(label, mask & (labels == 0));
+  }
+  return labels;
+}
+
+LabelSet numberedLabels() {
+  LabelSet set;
+  set.classes.push_back({"person", Mobility::kPerson, cv::Vec3b(60, 20, 220)});
+  for (int label = 2; label < 32; ++label) {
+    set.classes.push_back({"label " + std::to_string(label), Mobility::kMovable,
+                           cv::Vec3b(37 * label % 256, 91 * label % 256, 151 * label % 256)});
+  }
+  return set;
+}
+
+void writePicture(const std::string& path, const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& refined,
+                  const cv::Mat1b& truth, const LabelSet& set) {
+  const cv::Mat3b left = drawLabels(frame.bgr, labels, set);
+  cv::Mat3b right = drawLabels(frame.bgr, refined, set), both;
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(truth == 1, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
+  cv::drawContours(right, outlines, -1, cv::Scalar(0, 255, 0), 1);
+  cv::hconcat(left, right, both);
+  writeImageFile(path, both);
+}
+
+struct Options {
+  std::string sequence, camera, pictures;
+  SegmentationConfig config;
+  int dilate_px = 0;
+  std::size_t every = 10;
+};
+
+Options parse(const Arguments& arguments) {
+  Options options;
+  options.sequence = arguments.positional()[0];
+  options.camera = arguments.value("--camera").value_or("");
+  options.pictures = arguments.value("--pictures").value_or("");
+  options.dilate_px = static_cast<int>(arguments.count("--dilate", 0));
+  options.every = std::max<std::size_t>(1, arguments.count("--every", options.every));
+  for (const std::string& pair : arguments.values("--set")) {
+    const std::size_t equals = pair.find('=');
+    if (equals == std::string::npos) throw UsageError("--set needs KEY=VALUE, got '" + pair + "'");
+    setConfig(options.config, pair.substr(0, equals), pair.substr(equals + 1));
+  }
+  if (options.camera.empty()) throw UsageError("--camera FILE is missing");
+  if (options.config.model.empty() == (options.dilate_px == 0)) {
+    throw UsageError("give either --set model=FILE.onnx or --dilate PX");
+  }
+  return options;
+}
+
+void print(const char* what, const MaskScore& people, const PointErrors& points) {
+  std::printf("%-8s person IoU %.3f precision %.3f recall %.3f; points off their object %.2f %%, lost %.2f %%\n", what,
+              people.iou(), people.precision(), people.recall(), 100.0 * points.offShare(), 100.0 * points.lostShare());
+}
+
+int run(const Options& options) {
+  cv::setNumThreads(1);
+  TumSequence sequence(options.sequence, std::make_shared<CameraModel>(loadCameraFile(options.camera)));
+  const auto segmenter = options.dilate_px > 0 ? nullptr : makeOnnxSegmenter(options.config);
+  const LabelSet set = segmenter ? segmenter->labels() : numberedLabels();
+  if (!options.pictures.empty()) fs::create_directories(options.pictures);
+  MaskScore people_before, people_after;
+  PointErrors points_before, points_after;
+  StageTimes times;
+  while (auto frame = sequence.next()) {
+    const cv::Mat1b truth = trueLabels(options.sequence, sequence.pairs()[frame->index].rgb_file);
+    cv::Mat1b labels, refined;
+    {
+      auto timer = times.scope(segmenter ? "network" : "dilation", frame->index);
+      labels = segmenter ? segmenter->segment(frame->bgr) : dilateLabels(truth, options.dilate_px);
+    }
+    {
+      auto timer = times.scope("refinement", frame->index);
+      refined = refineOnDepth(labels, set, *frame, options.config.refinement);
+    }
+    people_before.add(labels == 1, truth == 1);
+    people_after.add(refined == 1, truth == 1);
+    points_before.add(labels, truth, frame->depth_m);
+    points_after.add(refined, truth, frame->depth_m);
+    if (!options.pictures.empty()) {
+      const std::string name = fs::path(sequence.pairs()[frame->index].rgb_file).stem().string() + ".jpg";
+      writePicture(options.pictures + "/" + name, *frame, labels, refined, truth, set);
+    }
+    sequence.skip(options.every - 1);
+  }
+  if (people_before.frames() == 0) throw FileError("'" + options.sequence + "' holds no readable frame");
+  std::printf("%zu frames\n", people_before.frames());
+  print("before", people_before, points_before);
+  print("refined", people_after, points_after);
+  if (points_before.offShare() > 0.0) {
+    std::printf("refinement removes %.1f %% of the error\n",
+                100.0 * (1.0 - points_after.offShare() / points_before.offShare()));
+  }
+  for (const StageSummary& stage : times.summarize()) {
+    std::printf("%-10s CPU median %.2f p95 %.2f ms\n", stage.stage.c_str(), stage.cpu.median_ms, stage.cpu.p95_ms);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return runTool(argc, argv, kUsage, [&] {
+    return run(parse(Arguments(argc, argv, {"--camera", "--set", "--dilate", "--every", "--pictures"}, {}, 1)));
+  });
+}

@@ -152,6 +152,14 @@ TEST(SyntheticRoom, CallsAPersonWhoPausesStillAndAPushedChairMoving) {
   const cv::Mat1b moving_chair = (pushed.labels == synthetic::kChair) & pushed.moving_mask;
   EXPECT_GT(share(moving_chair), 0.01);
 
+  const SyntheticFrame left_alone = chair.render(14.0);
+  EXPECT_EQ(cv::countNonZero((left_alone.labels == synthetic::kChair) & left_alone.moving_mask), 0);
+
+  const SyntheticRoom pause(makeScenario("pause", 1), smallCamera());
+  const SyntheticFrame paused = pause.render(3.0);
+  EXPECT_GT(share(paused.person_mask), 0.05);
+  EXPECT_LT(share(paused.moving_mask), 0.1 * share(paused.person_mask));
+
   const SyntheticRoom empty(makeScenario("static", 1), smallCamera());
   EXPECT_EQ(cv::countNonZero(empty.render(3.0).moving_mask), 0);
 }
@@ -169,6 +177,34 @@ TEST(SyntheticRoom, GivesOrbPlentyOfFeaturesSpreadOverTheImage) {
     for (const auto& corner : corners)
       cells.insert(static_cast<int>(corner.pt.y) / 80 * 8 + static_cast<int>(corner.pt.x) / 80);
     EXPECT_GE(cells.size(), 38U) << "of 48 cells, seed " << seed;
+  }
+}
+
+TEST(SyntheticRoom, HasANearMoverThatCoversMostOfTheImage) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const SyntheticRoom room(makeScenario("near_mover", seed), smallCamera());
+    int covered = 0;
+    for (double t = 4.0; t < 15.0; t += 0.5) covered += share(room.render(t).person_mask) > 0.5 ? 1 : 0;
+    EXPECT_GE(covered, 8) << "of 22 moments, seed " << seed;
+  }
+}
+
+TEST(SyntheticRoom, ShowsEveryClassInAFewRandomViews) {
+  std::vector<double> largest_share(synthetic::kLabelCount, 0.0);
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const SyntheticRoom room(makeRandomView(seed), smallCamera());
+    const SyntheticFrame view = room.render(kRandomViewTimeS);
+    double labelled = 0.0;
+    for (int label = 0; label < synthetic::kLabelCount; ++label) {
+      const double part = share(view.labels == label);
+      labelled += part;
+      largest_share[label] = std::max(largest_share[label], part);
+    }
+    EXPECT_DOUBLE_EQ(labelled, 1.0) << "no index outside the label set, seed " << seed;
+  }
+  EXPECT_EQ(syntheticLabels().size(), largest_share.size());
+  for (int label = 0; label < synthetic::kLabelCount; ++label) {
+    EXPECT_GT(largest_share[label], 1e-4) << syntheticLabels().classes[label].name;
   }
 }
 

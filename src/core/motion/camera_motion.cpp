@@ -20,11 +20,14 @@ constexpr float kLeastTexture = 3.0F;
 constexpr float kHalfTrustTexture = 8.0F;
 // A neighbourhood whose depth differs more than this share lies on an edge: its depth may belong to the other side.
 constexpr float kEdgeShare = 0.06F;
-// Inlier bound in standard deviations, and the widening factors the search starts with.
+// Inlier bound in standard deviations. The search starts wide enough for the error of the prediction and narrows: a
+// wider start would find a compromise between the room and a near walker, whose depth makes his motion look like
+// parallax.
 constexpr double kInlierSigmas = 3.0;
-constexpr double kWidening[] = {8.0, 4.0, 2.0, 1.0, 1.0};
-// Change of velocity of a hand-held or wheeled camera between two frames; keeps weak directions from running away.
-constexpr double kPriorTranslationM = 0.02, kPriorRotationRad = 0.02;
+constexpr double kWidening[] = {5.0, 2.5, 1.5, 1.0};
+constexpr double kNarrow[] = {1.0, 1.0};
+// Change of velocity of a hand-held or wheeled camera between two frames (some 5 m/s^2, 10 rad/s^2).
+constexpr double kPriorTranslationM = 0.005, kPriorRotationRad = 0.01;
 constexpr double kGoodShare = 0.6;
 constexpr double kClearlyMore = 1.25;
 constexpr int kRansacDraws = 60;
@@ -107,13 +110,14 @@ NormalEquations linearise(const std::vector<FlowPoint>& points, const SE3& T, co
   return normal;
 }
 
+template <std::size_t kSteps>
 SE3 refine(const std::vector<FlowPoint>& points, const SE3& start, const SE3& predicted, const NoiseModel& noise,
-           NormalEquations& last) {
+           const double (&widenings)[kSteps], NormalEquations& last) {
   Vector6d prior;
   prior << Eigen::Vector3d::Constant(1.0 / (kPriorTranslationM * kPriorTranslationM)),
       Eigen::Vector3d::Constant(1.0 / (kPriorRotationRad * kPriorRotationRad));
   SE3 T = start;
-  for (const double widening : kWidening) {
+  for (const double widening : widenings) {
     last = linearise(points, T, noise, widening);
     const Vector6d deviation = se3Log(T * predicted.inverse());
     last.H.diagonal() += prior;
@@ -230,15 +234,15 @@ CameraMotion estimateCameraMotion(const std::vector<FlowPoint>& points, const Wo
                                   const SE3& T_previous_current_predicted, const RigidFlowConfig& config) {
   CameraMotion motion;
   if (points.size() < static_cast<std::size_t>(config.min_points)) return motion;
-  const double focal_px = grid.focalCells() * grid.cellPx();
+  const double focal_px = 2.0 * grid.focalCells();  // of the image the flow is computed on
   NoiseModel noise{config.flow_sigma_px / focal_px, config.depth_sigma_at_1m_m};
 
   NormalEquations normal;
-  SE3 best = refine(points, T_previous_current_predicted, T_previous_current_predicted, noise, normal);
+  SE3 best = refine(points, T_previous_current_predicted, T_previous_current_predicted, noise, kWidening, normal);
   double share = explainedShare(points, best, noise, 1);
   const auto consider = [&](const SE3& start, double factor) {
     NormalEquations other_normal;
-    const SE3 other = refine(points, start, T_previous_current_predicted, noise, other_normal);
+    const SE3 other = refine(points, start, T_previous_current_predicted, noise, kWidening, other_normal);
     const double other_share = explainedShare(points, other, noise, 1);
     if (other_share <= factor * share) return;
     best = other;
@@ -251,6 +255,7 @@ CameraMotion estimateCameraMotion(const std::vector<FlowPoint>& points, const Wo
   }
   // Blur, exposure and depth that lags behind colour widen the flow's spread: this frame's own is what residuals mean.
   noise.flow_sigma = std::max(measureFlowSigma(points, best, noise), noise.flow_sigma);
+  best = refine(points, best, T_previous_current_predicted, noise, kNarrow, normal);
   double weight = 1e-9, inlier_weight = 0.0;
   for (const FlowPoint& point : points) {
     const Residual r = residualOf(point, best.linear(), best.translation(), noise);
@@ -261,7 +266,7 @@ CameraMotion estimateCameraMotion(const std::vector<FlowPoint>& points, const Wo
   }
   motion.T_previous_current = best;
   motion.inlier_share = inlier_weight / weight;
-  motion.flow_sigma_px = noise.flow_sigma * focal_px;
+  motion.flow_sigma_px = noise.flow_sigma * focal_px * 0.5 * grid.cellPx();
   const Matrix6d covariance = normal.H.ldlt().solve(Matrix6d::Identity());
   motion.translation_sigma_m = std::sqrt(covariance.diagonal().head<3>().maxCoeff());
   motion.rotation_sigma_rad = std::sqrt(covariance.diagonal().tail<3>().maxCoeff());

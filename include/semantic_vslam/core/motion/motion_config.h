@@ -37,7 +37,7 @@ struct HomographyConfig {
 
 /// The rigid model: the camera's motion in space and the depth image explain the flow of everything that stands still.
 struct RigidFlowConfig {
-  double flow_sigma_px = 0.5;
+  double flow_sigma_px = 0.2;
   double depth_sigma_at_1m_m = 0.003;
   double min_depth_margin_m = 0.04;
   int min_points = 60;
@@ -46,7 +46,7 @@ struct RigidFlowConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("flow_sigma_px", flow_sigma_px, 0.05, 5.0,
-            "least standard deviation of the measured flow, px of the full image (each frame measures its own)");
+            "least standard deviation of the flow, px of the image it is computed on (each frame measures its own)");
     v.field("depth_sigma_at_1m_m", depth_sigma_at_1m_m, 0.0002, 0.05,
             "depth noise at 1 m, metres; it grows with the square of depth (structured light and stereo alike)");
     v.field("min_depth_margin_m", min_depth_margin_m, 0.005, 0.5,

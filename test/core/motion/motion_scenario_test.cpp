@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "semantic_vslam/core/eval/mask_score.h"
+#include "semantic_vslam/core/eval/synthetic_room.h"
+#include "semantic_vslam/core/motion/motion_detector.h"
+
+namespace semantic_vslam {
+namespace {
+
+/// Half of VGA keeps the rendering short; the motion stage works on 320 px anyway.
+CameraIntrinsics smallCamera() {
+  CameraIntrinsics k;
+  k.width = 320;
+  k.height = 240;
+  k.fx = k.fy = 262.5;
+  k.cx = 159.5;
+  k.cy = 119.5;
+  return k;
+}
+
+/// Recall counts what moves in that frame; what is found on a person who stands still is no false alarm.
+struct Score {
+  MaskScore against_moving, against_people_and_moving;
+  double share = 0.0, worst_share = 0.0;
+  int frames = 0, rigid = 0;
+
+  double recall() const { return against_moving.recall(); }
+  double precision() const { return against_people_and_moving.precision(); }
+};
+
+/// Runs part of a scenario. Frames up to settle_frames are fed but not scored.
+Score runScenario(const std::string& name, double from_s, double to_s, int settle_frames, const MotionConfig& config) {
+  const SyntheticRoom room(makeScenario(name, 3), smallCamera());
+  MotionDetector detector(config);
+  Score score;
+  int index = 0;
+  for (double t = from_s; t < to_s; t += 1.0 / room.scenario().fps, ++index) {
+    const SyntheticFrame truth = room.render(t);
+    const MotionResult result = detector.detect(truth.frame);
+    if (index < settle_frames) continue;
+    score.against_moving.add(result.dynamic, truth.moving_mask);
+    score.against_people_and_moving.add(result.dynamic, truth.person_mask | truth.moving_mask);
+    score.share += result.dynamic_share;
+    score.worst_share = std::max(score.worst_share, result.dynamic_share);
+    score.rigid += result.model == MotionModel::kRigidFlow ? 1 : 0;
+    ++score.frames;
+  }
+  score.share /= score.frames;
+  return score;
+}
+
+void expectFound(const std::string& name, double from_s, double to_s, double least_recall, double least_precision) {
+  const Score score = runScenario(name, from_s, to_s, 10, {});
+  EXPECT_GE(score.recall(), least_recall) << name;
+  EXPECT_GE(score.precision(), least_precision) << name;
+  EXPECT_EQ(score.rigid, score.frames) << name;
+}
+
+TEST(MotionScenarioTest, EmptyRoomIsStatic) {
+  const Score score = runScenario("static", 2.0, 4.0, 10, {});
+  EXPECT_LT(score.share, 0.01);
+  EXPECT_LT(score.worst_share, 0.05);
+  EXPECT_EQ(score.rigid, score.frames);
+}
+
+TEST(MotionScenarioTest, WalkersAreFound) { expectFound("walking", 2.0, 4.0, 0.8, 0.8); }
+
+TEST(MotionScenarioTest, WalkersAreFoundByARotatingCamera) { expectFound("rotation", 2.0, 5.0, 0.7, 0.7); }
+
+TEST(MotionScenarioTest, WalkerAlongAPlanarWallIsFound) { expectFound("planar_wall", 2.0, 5.0, 0.8, 0.8); }
+
+TEST(MotionScenarioTest, NearMoverOverMostOfTheImageIsFound) { expectFound("near_mover", 3.6, 5.0, 0.8, 0.8); }
+
+TEST(MotionScenarioTest, PushedChairIsFoundWithItsPusher) { expectFound("pushed_chair", 2.0, 4.5, 0.8, 0.7); }
+
+TEST(MotionScenarioTest, WalkerAlongTheOpticalAxisIsFound) { expectFound("along_axis", 2.0, 4.0, 0.55, 0.75); }
+
+TEST(MotionScenarioTest, PersonWhoWalksOnAfterAPauseIsFound) { expectFound("pause", 5.3, 7.0, 0.7, 0.75); }
+
+}  // namespace
+}  // namespace semantic_vslam

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/log.h"
+#include "semantic_vslam/core/io/map_file.h"
 
 namespace semantic_vslam {
 namespace {
@@ -15,7 +17,12 @@ constexpr std::size_t kKeyframeQueue = 8;
 }  // namespace
 
 SparseSlam::SparseSlam(const SparseSlamConfig& config, Mode mode)
-    : config_(config), mode_(mode), tracker_(config.tracking), queue_(kKeyframeQueue, QueuePolicy::kBlock) {
+    : config_(config),
+      mode_(mode),
+      places_(config.places),
+      loops_(config.loop_detection, config.tracking.frame),
+      tracker_(config.tracking),
+      queue_(kKeyframeQueue, QueuePolicy::kBlock) {
   validateConfig(config_);
   if (mode_ == Mode::kBackground) worker_ = std::thread([this] { work(); });
 }
@@ -61,7 +68,12 @@ SparseStep SparseSlam::trackLocked(const TrackedFrame& frame) {
     tracker_.startFrom(std::move(first), *step.first_keyframe);
     step.tracking = tracker_.track(frame, map_, mapper_idle);
   }
+  relocaliseLocked(frame, step.tracking);
   if (step.tracking.state != TrackingState::kOk) return step;
+  if (!localization_only_) {
+    for (const LandmarkId id : step.tracking.visible) map_.countVisible(id);
+    for (const LandmarkId id : step.tracking.found) map_.countFound(id);
+  }
   if (step.tracking.keyframe_is_due && !localization_only_) {
     step.keyframe = insertLocked(tracker_.lastFrame());
     tracker_.keyframeInserted(map_, *step.keyframe);
@@ -70,14 +82,51 @@ SparseStep SparseSlam::trackLocked(const TrackedFrame& frame) {
   return step;
 }
 
+void SparseSlam::relocaliseLocked(const TrackedFrame& frame, TrackingResult& result) {
+  if (result.state != TrackingState::kRecentlyLost && result.state != TrackingState::kLost) return;
+  const auto found = relocalise(map_, places_, frame, config_.tracking.frame, config_.relocalisation);
+  if (!found) return;
+  TrackedFrame placed = frame;
+  placed.T_camera_world = found->T_camera_world;
+  placed.landmarks = found->landmarks;
+  tracker_.startFrom(std::move(placed), found->keyframe);
+  result.state = TrackingState::kOk;
+  result.T_camera_world = found->T_camera_world;
+  result.covariance = found->covariance;
+  result.reference = found->keyframe;
+  result.matches = result.inliers = found->inliers;
+}
+
 KeyframeId SparseSlam::insertLocked(const TrackedFrame& frame) {
-  return insertKeyframe(map_, frame, config_.tracking.frame.virtual_baseline_m, config_.mapping);
+  const KeyframeId id = insertKeyframe(map_, frame, config_.tracking.frame.virtual_baseline_m, config_.mapping);
+  places_.add(id, *frame.features);
+  return id;
 }
 
 void SparseSlam::maintain(KeyframeId keyframe, StageTimes& times) {
-  auto timer = times.scope("local_mapping", keyframe.value());
-  const double baseline_m = config_.tracking.frame.virtual_baseline_m;
   abort_ba_ = false;
+  {
+    auto timer = times.scope("local_mapping", keyframe.value());
+    adjustAround(keyframe);
+  }
+  if (config_.close_loops) {
+    auto timer = times.scope("loop_closing", keyframe.value());
+    closeLoop(keyframe);
+  }
+}
+
+template <class Change>
+bool SparseSlam::changeLocked(const Change& change) {
+  const Keyframe* reference = map_.keyframe(tracker_.reference());
+  const SE3 T_reference_world_before = reference ? reference->T_camera_world : SE3::Identity();
+  if (!change()) return false;
+  reference = map_.keyframe(tracker_.reference());
+  if (reference) tracker_.followReference(T_reference_world_before, reference->T_camera_world);
+  return true;
+}
+
+void SparseSlam::adjustAround(KeyframeId keyframe) {
+  const double baseline_m = config_.tracking.frame.virtual_baseline_m;
   BaProblem problem;
   {
     std::lock_guard<std::mutex> lock(mutex_);
@@ -88,17 +137,49 @@ void SparseSlam::maintain(KeyframeId keyframe, StageTimes& times) {
   }
   const MapSolution solution = solve(problem, config_.local_ba, &abort_ba_);
   std::lock_guard<std::mutex> lock(mutex_);
-  applyLocked(solution, problem.map_version);
+  changeLocked([&] { return map_.apply(solution, problem.map_version); });
   cullRedundantKeyframes(map_, keyframe, tracker_.reference(), baseline_m, config_.mapping,
-                         [this](const Keyframe& removed) { trajectory_.keyframeRemoved(map_, removed); });
+                         [this](const Keyframe& removed) {
+                           trajectory_.keyframeRemoved(map_, removed);
+                           places_.remove(removed.id);
+                         });
 }
 
-void SparseSlam::applyLocked(const MapSolution& solution, std::uint64_t version) {
-  const Keyframe* reference = map_.keyframe(tracker_.reference());
-  const SE3 T_reference_world_before = reference ? reference->T_camera_world : SE3::Identity();
-  if (map_.apply(solution, version) && reference) {
-    tracker_.followReference(T_reference_world_before, reference->T_camera_world);
+void SparseSlam::closeLoop(KeyframeId keyframe) {
+  std::optional<LoopClosure> closure;
+  PoseGraphProblem graph;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    if (!map_.keyframe(keyframe)) return;
+    closure = loops_.detect(map_, places_, keyframe);
+    if (!closure) return;
+    graph = selectLoop(map_, *closure, config_.loop_correction);
   }
+  const MapSolution solution = solve(graph, config_.loop_correction.graph, nullptr);
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    const bool applied = changeLocked([&] {
+      return applyLoop(map_, *closure, solution, graph.map_version, config_.tracking.frame.virtual_baseline_m,
+                       config_.loop_correction);
+    });
+    loops_.reset();
+    if (!applied) return;
+    ++loop_count_;
+  }
+  logInfo("loop closed: this place was seen before");
+  adjustAll();
+}
+
+void SparseSlam::adjustAll() {
+  BaProblem problem;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    problem = selectGlobal(map_);
+  }
+  MapSolution solution = solve(problem, config_.local_ba, &abort_ba_);
+  std::lock_guard<std::mutex> lock(mutex_);
+  carryAlong(map_, solution);
+  changeLocked([&] { return map_.apply(solution, problem.map_version); });
 }
 
 void SparseSlam::work() {
@@ -119,8 +200,28 @@ void SparseSlam::reset() {
   finish();
   std::lock_guard<std::mutex> lock(mutex_);
   map_.clear();
+  places_.clear();
+  loops_.reset();
   trajectory_.clear();
   tracker_.reset();
+}
+
+void SparseSlam::saveMap(const std::string& path) const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  semantic_vslam::saveMap(path, map_);
+}
+
+void SparseSlam::loadMap(const std::string& path) {
+  finish();
+  Map loaded;
+  semantic_vslam::loadMap(path, loaded);
+  std::lock_guard<std::mutex> lock(mutex_);
+  map_ = std::move(loaded);
+  places_.clear();
+  indexKeyframes(map_, places_);
+  loops_.reset();
+  trajectory_.clear();
+  tracker_.awaitRelocalisation();
 }
 
 std::vector<TimedPose> SparseSlam::trajectory() const {
@@ -145,6 +246,11 @@ std::size_t SparseSlam::keyframeCount() const {
 std::size_t SparseSlam::landmarkCount() const {
   std::lock_guard<std::mutex> lock(mutex_);
   return map_.landmarks().size();
+}
+
+std::size_t SparseSlam::loopCount() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return loop_count_;
 }
 
 std::vector<Eigen::Vector3d> SparseSlam::landmarkPositions() const {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "semantic_vslam/core/features/matcher.h"
 #include "semantic_vslam/core/map/visibility.h"
@@ -61,37 +62,37 @@ LocalMap selectLocalMap(const Map& map, const TrackedFrame& frame, const LocalMa
   return local;
 }
 
-int matchLocalMap(Map& map, const LocalMap& local_map, double virtual_bf_px_m, const LocalMapConfig& config,
-                  TrackedFrame& frame) {
+std::vector<LandmarkId> matchLocalMap(const Map& map, const LocalMap& local_map, double virtual_bf_px_m,
+                                      const LocalMapConfig& config, TrackedFrame& frame) {
   std::vector<LandmarkId> matched_before;
   std::vector<bool> taken(frame.landmarks.size(), false);
   for (std::size_t i = 0; i < frame.landmarks.size(); ++i) {
-    if (!frame.landmarks[i].valid()) continue;
-    taken[i] = true;
-    matched_before.push_back(frame.landmarks[i]);
-    map.countVisible(frame.landmarks[i]);
+    taken[i] = frame.landmarks[i].valid();
+    if (taken[i]) matched_before.push_back(frame.landmarks[i]);
   }
   std::sort(matched_before.begin(), matched_before.end());
 
   constexpr double kFrontalCosine = 0.998;  // 3.6 degrees
   std::vector<GuidedQuery> queries;
-  std::vector<LandmarkId> landmark_of_query;
+  std::vector<LandmarkId> searched;
   for (const LandmarkId id : local_map.landmarks) {
     if (std::binary_search(matched_before.begin(), matched_before.end(), id)) continue;
     const Landmark& landmark = *map.landmark(id);
     Sighting sighting;
     if (!predictSighting(landmark, *frame.camera, frame.T_camera_world, config.min_view_cosine, sighting)) continue;
-    map.countVisible(id);
     const bool frontal = sighting.view_cosine > kFrontalCosine;
     queries.push_back(makeGuidedQuery(landmark, sighting, frontal ? config.search_radius_px : config.wide_radius_px));
-    landmark_of_query.push_back(id);
+    searched.push_back(id);
   }
   GuidedSearchConfig search;
   search.ratio = 0.8F;  // neighbouring landmarks look alike at this small radius
   search.virtual_bf_px_m = static_cast<float>(virtual_bf_px_m);
   const auto matches = searchGuided(queries, *frame.features, frame.grid, taken, search);
-  for (const auto& match : matches) frame.landmarks[match.feature] = landmark_of_query[match.query];
-  return static_cast<int>(matches.size());
+  for (const auto& match : matches) frame.landmarks[match.feature] = searched[match.query];
+
+  std::vector<LandmarkId> visible = std::move(matched_before);
+  visible.insert(visible.end(), searched.begin(), searched.end());
+  return visible;
 }
 
 }  // namespace semantic_vslam

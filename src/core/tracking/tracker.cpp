@@ -27,14 +27,15 @@ TrackedFrame Tracker::prepare(const RgbdFrame& frame, const cv::Mat1b& dynamic) 
   return TrackedFrame(frame, orb_.extract(frame, dynamic));
 }
 
-TrackingResult Tracker::track(TrackedFrame frame, Map& map, bool mapper_idle) {
+TrackingResult Tracker::track(TrackedFrame frame, const Map& map, bool mapper_idle) {
   if (state_ == TrackingState::kInitialising) return initialise(std::move(frame));
 
+  if (!last_) return trackingFailed(frame);
   PoseEstimate estimate = followLastFrame(map, frame);
-  if (estimate.success) estimate = followLocalMap(map, frame);
+  TrackingResult result;
+  if (estimate.success) estimate = followLocalMap(map, frame, result);
   if (!estimate.success || estimate.inliers < config_.min_inliers) return trackingFailed(frame);
 
-  TrackingResult result;
   result.state = state_ = TrackingState::kOk;
   result.T_camera_world = frame.T_camera_world;
   result.covariance = estimate.covariance;
@@ -69,27 +70,27 @@ PoseEstimate Tracker::followLastFrame(const Map& map, TrackedFrame& frame) const
   return estimate;
 }
 
-PoseEstimate Tracker::followLocalMap(Map& map, TrackedFrame& frame) {
+PoseEstimate Tracker::followLocalMap(const Map& map, TrackedFrame& frame, TrackingResult& result) {
   const LocalMap local_map = selectLocalMap(map, frame, config_.local_map);
   if (local_map.keyframes.empty()) return {};
   const double virtual_bf_px_m = frame.camera->fx() * config_.frame.virtual_baseline_m;
-  matchLocalMap(map, local_map, virtual_bf_px_m, config_.local_map, frame);
+  result.visible = matchLocalMap(map, local_map, virtual_bf_px_m, config_.local_map, frame);
   const PoseEstimate estimate = refinePose(map, config_.frame, frame);
   if (!estimate.success) return estimate;
   reference_ = local_map.reference;
   for (const LandmarkId id : frame.landmarks) {
-    if (id.valid()) map.countFound(id);
+    if (id.valid()) result.found.push_back(id);
   }
   return estimate;
 }
 
 TrackingResult Tracker::trackingFailed(TrackedFrame& frame) {
-  const double since_s = secondsBetween(last_->stamp, frame.stamp);
   TrackingResult result;
   result.features = static_cast<int>(frame.features->size());
   result.reference = reference_;
-  result.state = state_ =
-      since_s <= config_.recently_lost_s && velocity_ ? TrackingState::kRecentlyLost : TrackingState::kLost;
+  const double since_s = last_ ? secondsBetween(last_->stamp, frame.stamp) : config_.recently_lost_s;
+  const bool recently = last_ && velocity_ && since_s <= config_.recently_lost_s;
+  result.state = state_ = recently ? TrackingState::kRecentlyLost : TrackingState::kLost;
   if (state_ == TrackingState::kRecentlyLost) {
     const double frames_between = static_cast<double>(frame.index - last_->index);
     result.T_camera_world = interpolate(SE3::Identity(), *velocity_, frames_between) * last_->T_camera_world;
@@ -134,6 +135,11 @@ void Tracker::followReference(const SE3& T_reference_world_before, const SE3& T_
   if (last_) {
     last_->T_camera_world = last_->T_camera_world * T_reference_world_before.inverse() * T_reference_world_after;
   }
+}
+
+void Tracker::awaitRelocalisation() {
+  reset();
+  state_ = TrackingState::kLost;
 }
 
 void Tracker::reset() {

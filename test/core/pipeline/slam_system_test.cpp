@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <set>
 #include <string>
@@ -26,14 +29,14 @@ CameraIntrinsics quarterVga() {
   return k;
 }
 
-/// Two seconds of the walking scenario in which one or two people pass, rendered once for all tests.
+/// The first two seconds of the walking scenario, in which somebody passes, rendered once for all tests.
 const std::vector<SyntheticFrame>& walkingFrames() {
   static const std::vector<SyntheticFrame> frames = [] {
-    constexpr int kFirst = 140, kFrames = 60;
+    constexpr int kFrames = 60;
     const SyntheticRoom room(makeScenario("walking", 1), quarterVga());
     std::vector<SyntheticFrame> rendered;
     for (int i = 0; i < kFrames; ++i) {
-      rendered.push_back(room.render(room.frameTime(kFirst + i)));
+      rendered.push_back(room.render(room.frameTime(i)));
       rendered.back().frame.index = static_cast<std::uint64_t>(i);
     }
     return rendered;
@@ -65,6 +68,11 @@ double trajectoryError(const Outcome& result) {
     truth.push_back({synthetic.frame.stamp, synthetic.T_world_camera});
   }
   return absoluteTrajectoryError(truth, result.trajectory).translation_m.rmse;
+}
+
+std::string readFile(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
 TEST(SlamSystem, FollowsTheCameraThroughPeople) {
@@ -181,6 +189,89 @@ TEST(SlamSystem, DarknessLosesNothingThatIsMapped) {
   EXPECT_EQ(system.slam().keyframeCount(), keyframes);
   EXPECT_EQ(system.slam().landmarkCount(), landmarks);
   EXPECT_TRUE(system.step(frames[30].frame).posed || system.step(frames[31].frame).posed);
+}
+
+/// The frame as if it had been taken later.
+RgbdFrame at(const RgbdFrame& frame, std::uint64_t index) {
+  RgbdFrame later = frame;
+  later.index = index;
+  later.stamp = Stamp{walkingFrames().front().frame.stamp.ns + static_cast<std::int64_t>(index) * 33'333'333};
+  return later;
+}
+
+TEST(SparseSlam, FindsBackAfterTheCameraWasCovered) {
+  StageTimes times;
+  SparseSlam slam(SparseSlamConfig(), SparseSlam::Mode::kSynchronous);
+  const auto& frames = walkingFrames();
+  std::vector<SE3> T_camera_world;
+  std::uint64_t index = 0;
+  for (int i = 0; i < 30; ++i) {
+    T_camera_world.push_back(
+        slam.step(at(frames[i].frame, index++), frames[i].person_mask, times).tracking.T_camera_world);
+  }
+  RgbdFrame dark = frames[0].frame;
+  dark.gray = cv::Mat1b(dark.gray.size(), std::uint8_t{0});
+  dark.depth_m = cv::Mat1f(dark.depth_m.size(), 0.0F);
+  TrackingState state = TrackingState::kOk;
+  for (int i = 0; i < 60; ++i) state = slam.step(at(dark, index++), {}, times).tracking.state;
+  EXPECT_EQ(state, TrackingState::kLost);
+
+  constexpr int kAgain = 8;  // seen before, but not where the camera was when it got dark
+  int needed = 0;
+  SparseStep step;
+  do {
+    step = slam.step(at(frames[kAgain + needed].frame, index++), frames[kAgain + needed].person_mask, times);
+  } while (step.tracking.state != TrackingState::kOk && ++needed < 10);
+  ASSERT_EQ(step.tracking.state, TrackingState::kOk);
+  const SE3 difference = step.tracking.T_camera_world * T_camera_world[kAgain + needed].inverse();
+  EXPECT_LT(difference.translation().norm(), 0.02);
+}
+
+TEST(SparseSlam, LocalisesInASavedMapAndLeavesItAlone) {
+  StageTimes times;
+  const auto& frames = walkingFrames();
+  const std::string first = ::testing::TempDir() + "slam_map_first.bin",
+                    second = ::testing::TempDir() + "slam_map_2.bin";
+  SE3 expected;
+  {
+    SparseSlam slam(SparseSlamConfig(), SparseSlam::Mode::kSynchronous);
+    for (int i = 0; i < 40; ++i) {
+      const SparseStep step = slam.step(at(frames[i].frame, i), frames[i].person_mask, times);
+      if (i == 20) expected = step.tracking.T_camera_world;
+    }
+    slam.saveMap(first);
+  }
+  SparseSlam slam(SparseSlamConfig(), SparseSlam::Mode::kSynchronous);
+  slam.loadMap(first);
+  slam.setLocalizationOnly(true);
+  int posed = 0;
+  for (int i = 20; i < 60; ++i) {
+    const SparseStep step = slam.step(at(frames[i].frame, i), frames[i].person_mask, times);
+    EXPECT_FALSE(step.keyframe);
+    if (step.tracking.state != TrackingState::kOk) continue;
+    if (posed == 0) {
+      EXPECT_LE(i, 30);
+    }
+    if (i == 20) {
+      EXPECT_LT((step.tracking.T_camera_world * expected.inverse()).translation().norm(), 0.02);
+    }
+    ++posed;
+  }
+  EXPECT_GE(posed, 30);
+  slam.saveMap(second);
+  EXPECT_TRUE(readFile(first) == readFile(second)) << "the map's bytes must not change";
+  std::remove(first.c_str());
+  std::remove(second.c_str());
+}
+
+TEST(SparseSlam, ABadMapFileChangesNothing) {
+  StageTimes times;
+  SparseSlam slam(SparseSlamConfig(), SparseSlam::Mode::kSynchronous);
+  for (int i = 0; i < 10; ++i) slam.step(at(walkingFrames()[i].frame, i), {}, times);
+  const std::size_t landmarks = slam.landmarkCount(), poses = slam.trajectory().size();
+  EXPECT_THROW(slam.loadMap("/no/such/map"), FileError);
+  EXPECT_EQ(slam.landmarkCount(), landmarks);
+  EXPECT_EQ(slam.trajectory().size(), poses);
 }
 
 TEST(SystemConfig, KeysAreUniqueAndTheDefaultsValid) {

@@ -38,11 +38,10 @@ struct LocalMap {
 /// Keyframes that share landmarks with the frame, their neighbours and parents; and all they see.
 LocalMap selectLocalMap(const Map& map, const TrackedFrame& frame, const LocalMapConfig& config);
 
-/// Looks for the local map's landmarks in the frame, at its current pose, and enters the matches into it. Counts for
-/// every landmark that should be visible that it should.
+/// Looks for the local map's landmarks in the frame, at its current pose, and enters the matches into it.
 /// @param virtual_bf_px_m  fx * virtual baseline: matches of other depth are refused; 0 = depth is not compared
-/// @return matches added
-int matchLocalMap(Map& map, const LocalMap& local_map, double virtual_bf_px_m, const LocalMapConfig& config,
-                  TrackedFrame& frame);
+/// @return all landmarks that should be visible in the frame, those matched before included
+std::vector<LandmarkId> matchLocalMap(const Map& map, const LocalMap& local_map, double virtual_bf_px_m,
+                                      const LocalMapConfig& config, TrackedFrame& frame);
 
 }  // namespace semantic_vslam

@@ -58,6 +58,8 @@ struct TrackingResult {
   int matches = 0;
   int inliers = 0;
   bool keyframe_is_due = false;
+  std::vector<LandmarkId> visible;  ///< landmarks that the frame should have seen, for the map's counts
+  std::vector<LandmarkId> found;    ///< those that it did see
   /// k1, when this frame completed the initialisation: the caller makes it the first keyframe, calls startFrom() with
   /// it and tracks this frame again.
   std::optional<TrackedFrame> first_frame;
@@ -74,8 +76,8 @@ class Tracker {
   TrackedFrame prepare(const RgbdFrame& frame, const cv::Mat1b& dynamic) const;
 
   /// Finds the frame's pose. When `keyframe_is_due` the caller may make a keyframe of lastFrame() and tells by
-  /// keyframeInserted(). Writes nothing to the map but the landmarks' visible and found counts.
-  TrackingResult track(TrackedFrame frame, Map& map, bool mapper_idle);
+  /// keyframeInserted().
+  TrackingResult track(TrackedFrame frame, const Map& map, bool mapper_idle);
 
   const TrackedFrame& lastFrame() const { return *last_; }
   /// The frame just tracked is now this keyframe; the landmarks that were made of it are taken over.
@@ -84,13 +86,15 @@ class Tracker {
   void startFrom(TrackedFrame frame, KeyframeId reference);
   /// The map was corrected: the last frame goes with its reference keyframe.
   void followReference(const SE3& T_reference_world_before, const SE3& T_reference_world_after);
+  /// There is a map, but no frame has found its place in it yet.
+  void awaitRelocalisation();
   KeyframeId reference() const { return reference_; }
   void reset();
 
  private:
   TrackingResult initialise(TrackedFrame frame);
   PoseEstimate followLastFrame(const Map& map, TrackedFrame& frame) const;
-  PoseEstimate followLocalMap(Map& map, TrackedFrame& frame);
+  PoseEstimate followLocalMap(const Map& map, TrackedFrame& frame, TrackingResult& result);
   TrackingResult trackingFailed(TrackedFrame& frame);
   bool keyframeIsDue(const Map& map, const TrackedFrame& frame, int inliers, bool mapper_idle) const;
 

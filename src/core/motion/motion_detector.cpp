@@ -17,7 +17,7 @@ namespace {
 // A longer gap than this shares too little of the image for the flow, and is treated as a new start.
 constexpr double kLongestGapS = 0.5;
 // Number of earlier depth images that the present one is compared with, spread over the configured age.
-constexpr int kReferences = 2;
+constexpr int kReferences = 4;
 // Trust left in a cell that surely moves: if everything seems to move, the least moving still counts.
 constexpr float kLeastTrust = 0.01F;
 

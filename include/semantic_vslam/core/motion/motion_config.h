@@ -60,14 +60,16 @@ struct RigidFlowConfig {
 /// Evidence carried from frame to frame with the flow.
 struct MotionMemoryConfig {
   double time_constant_s = 0.5;
-  double reference_age_s = 1.5;
+  double reference_age_s = 3.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("time_constant_s", time_constant_s, 0.02, 30.0,
             "evidence of motion falls to 1/e in this time: how long someone who stops stays dynamic, s");
-    v.field("reference_age_s", reference_age_s, 0.1, 10.0,
-            "oldest depth image that the present one is compared with, s; longer sees slower people");
+    v.field(
+        "reference_age_s", reference_age_s, 0.1, 10.0,
+        "oldest depth image that the present one is compared with, s; longer sees slower people, and for longer that "
+        "somebody who came and stopped was not there before");
   }
 };
 

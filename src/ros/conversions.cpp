@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
+#include <utility>
 
 #include "semantic_vslam/core/common/error.h"
 
@@ -49,6 +50,15 @@ std::uint8_t mobilityToRos(Mobility mobility) {
     case Mobility::kStatic: break;
   }
   return LabelDescription::STATIC;
+}
+
+std_msgs::ColorRGBA colorOf(const LabelClass& entry) {
+  std_msgs::ColorRGBA color;
+  color.b = static_cast<float>(entry.color_bgr[0]) / 255.0F;
+  color.g = static_cast<float>(entry.color_bgr[1]) / 255.0F;
+  color.r = static_cast<float>(entry.color_bgr[2]) / 255.0F;
+  color.a = 1.0F;
+  return color;
 }
 
 /// Distortion as k1 k2 p1 p2 k3; missing coefficients are 0.
@@ -110,6 +120,17 @@ geometry_msgs::Transform toTransform(const SE3& transform) {
   return out;
 }
 
+geometry_msgs::Twist toTwist(const Vector6d& velocity) {
+  geometry_msgs::Twist twist;
+  twist.linear.x = velocity[0];
+  twist.linear.y = velocity[1];
+  twist.linear.z = velocity[2];
+  twist.angular.x = velocity[3];
+  twist.angular.y = velocity[4];
+  twist.angular.z = velocity[5];
+  return twist;
+}
+
 SE3 bodyFromOptical() {
   SE3 T_body_optical = SE3::Identity();
   T_body_optical.linear() << 0, 0, 1,  // forward is the optical z
@@ -118,9 +139,20 @@ SE3 bodyFromOptical() {
   return T_body_optical;
 }
 
-boost::array<double, 36> toRosCovariance(const Matrix6d& covariance) {
+std::string frameName(const std::string& frame_id) {
+  return frame_id.empty() || frame_id.front() != '/' ? frame_id : frame_id.substr(1);
+}
+
+boost::array<double, 36> bodyCovariance(const Matrix6d& covariance, const SE3& T_map_camera, const SE3& T_camera_body) {
+  // exp(xi) T_camera_world moves the camera by -xi in its own axes. The body, at t in the camera, is moved by
+  // -(rho + phi x t); everything is then turned into the map's axes. The common sign does not matter.
+  const Eigen::Matrix3d R_map_camera = T_map_camera.linear();
+  Matrix6d J = Matrix6d::Zero();
+  J.topLeftCorner<3, 3>() = R_map_camera;
+  J.topRightCorner<3, 3>() = -R_map_camera * skew(T_camera_body.translation());
+  J.bottomRightCorner<3, 3>() = R_map_camera;
   boost::array<double, 36> out;
-  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(out.data()) = covariance;
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(out.data()) = J * covariance * J.transpose();
   return out;
 }
 
@@ -185,10 +217,7 @@ LabelInfo toRos(const LabelSet& labels) {
     LabelDescription out;
     out.name = entry.name;
     out.mobility = mobilityToRos(entry.mobility);
-    out.color.b = static_cast<float>(entry.color_bgr[0]) / 255.0F;
-    out.color.g = static_cast<float>(entry.color_bgr[1]) / 255.0F;
-    out.color.r = static_cast<float>(entry.color_bgr[2]) / 255.0F;
-    out.color.a = 1.0F;
+    out.color = colorOf(entry);
     info.classes.push_back(std::move(out));
   }
   return info;
@@ -234,6 +263,65 @@ sensor_msgs::PointCloud2Ptr toRos(const std::vector<LabelledPoint>& points, cons
     ++xyz, ++bgr, ++label;
   }
   return cloud;
+}
+
+visualization_msgs::MarkerArray toRos(const std::vector<MapObject>& objects, const LabelSet& labels,
+                                      const std_msgs::Header& header) {
+  using visualization_msgs::Marker;
+  visualization_msgs::MarkerArray array;
+  Marker marker;
+  marker.header = header;
+  marker.action = Marker::DELETEALL;
+  array.markers.push_back(marker);
+  marker.action = Marker::ADD;
+  for (const MapObject& object : objects) {
+    if (object.label >= labels.size()) continue;
+    const LabelClass& kind = labels.classes[object.label];
+    marker.pose = toPose(SE3(Eigen::Translation3d(object.box_m.center())));
+    marker.color = colorOf(kind);
+    marker.color.a = 0.35F;
+    marker.ns = "box";
+    marker.type = Marker::CUBE;
+    const Eigen::Vector3d size_m = object.box_m.sizes().cwiseMax(0.01);  // rviz draws nothing that is flat
+    marker.scale.x = size_m.x();
+    marker.scale.y = size_m.y();
+    marker.scale.z = size_m.z();
+    array.markers.push_back(marker);
+
+    marker.ns = "class";
+    marker.type = Marker::TEXT_VIEW_FACING;
+    marker.text = kind.name;
+    marker.color.a = 1.0F;
+    marker.pose.position.z = object.box_m.max().z() + 0.08;
+    marker.scale.z = 0.12;  // height of a capital letter, m
+    array.markers.push_back(marker);
+    ++marker.id;
+  }
+  return array;
+}
+
+octomap_msgs::Octomap toRos(OctreeMessage octree, const std_msgs::Header& header) {
+  octomap_msgs::Octomap message;
+  message.header = header;
+  message.binary = octree.binary;
+  message.id = std::move(octree.id);
+  message.resolution = octree.resolution_m;
+  message.data = std::move(octree.data);
+  return message;
+}
+
+nav_msgs::OccupancyGrid toRos(const OccupancyGrid& grid, const std_msgs::Header& header) {
+  nav_msgs::OccupancyGrid message;
+  message.header = header;
+  message.info.map_load_time = header.stamp;
+  message.info.resolution = static_cast<float>(grid.resolution_m);
+  message.info.width = static_cast<std::uint32_t>(grid.width);
+  message.info.height = static_cast<std::uint32_t>(grid.height);
+  message.info.origin.position.x = grid.origin_x_m;
+  message.info.origin.position.y = grid.origin_y_m;
+  message.info.origin.orientation.w = 1.0;
+  message.data = grid.cells;
+  return message;
 }
 
 sensor_msgs::PointCloud2Ptr toRos(const std::vector<Eigen::Vector3d>& points, const std_msgs::Header& header) {

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/pipeline/config.h"
 
 namespace semantic_vslam {
 namespace {
@@ -56,12 +57,14 @@ Entries readPrivateParameters(const ros::NodeHandle& private_nh) {
   return entries;
 }
 
-Entries readConfigSections(const std::string& path, const std::vector<ConfigEntry>& known) {
-  std::set<std::string> sections;
-  for (const ConfigEntry& entry : known) sections.insert(topLevel(entry.key));
+Entries readConfigFileFor(const std::vector<ConfigEntry>& known, const std::string& path) {
+  std::set<std::string> known_keys;
+  for (const ConfigEntry& entry : known) known_keys.insert(entry.key);
+  SystemConfig whole;
   Entries entries;
-  for (auto& item : readConfigFile(path)) {
-    if (sections.count(topLevel(item.first)) > 0) entries.push_back(std::move(item));
+  for (auto& [key, value] : readConfigFile(path)) {
+    setConfig(whole, key, value);
+    if (known_keys.count(key) > 0) entries.emplace_back(key, value);
   }
   return entries;
 }

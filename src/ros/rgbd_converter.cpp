@@ -39,7 +39,7 @@ std::optional<RgbdFrame> RgbdConverter::convert(const RgbdMessages& messages) {
                          depthFromRos(messages.depth), kMetresPerMillimetre, cameraFor(messages));
   } catch (const Error& error) {
     ++refused_;
-    ROS_ERROR_THROTTLE(5.0, "frame refused: %s", error.what());
+    if (throttle_.passes(error.what())) ROS_ERROR("frame refused: %s", error.what());
     return std::nullopt;
   }
 }

@@ -4,13 +4,14 @@
 
 #include <ros/console.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace semantic_vslam {
 namespace {
 
 // Images that wait for their partner. At 30 Hz this outlives any delay between the two streams of one driver.
-constexpr int kPairingQueue = 10;
+constexpr int kLeastPairingQueue = 10;
 
 // No camera here is faster than 60 Hz, so a stream's next image is at least this far off: the synchroniser then need
 // not wait for it to know that a pair is the best one.
@@ -19,28 +20,32 @@ constexpr double kShortestPeriodS = 0.015;
 }  // namespace
 
 RgbdSubscriber::RgbdSubscriber(ros::NodeHandle nh, const RgbdInputConfig& config, Sink sink)
-    : config_(config), sink_(std::move(sink)), last_pair_(ros::SteadyTime::now()), transport_(nh) {
+    : config_(config),
+      pairing_queue_(std::max(kLeastPairingQueue, config.queue_size)),
+      sink_(std::move(sink)),
+      last_pair_(ros::SteadyTime::now()),
+      transport_(nh) {
   synchronize();
   rgb_subscriber_.registerCallback([this](const sensor_msgs::ImageConstPtr&) { ++rgb_images_; });
   depth_subscriber_.registerCallback([this](const sensor_msgs::ImageConstPtr&) { ++depth_images_; });
   info_subscriber_ = nh.subscribe("rgb/camera_info", 5, &RgbdSubscriber::onInfo, this);
-  rgb_subscriber_.subscribe(transport_, "rgb/image_rect_color", kPairingQueue);
-  depth_subscriber_.subscribe(transport_, "depth_registered/image_rect", kPairingQueue);
+  rgb_subscriber_.subscribe(transport_, "rgb/image_rect_color", pairing_queue_);
+  depth_subscriber_.subscribe(transport_, "depth_registered/image_rect", pairing_queue_);
   silence_timer_ =
       nh.createSteadyTimer(ros::WallDuration(config_.silent_after_s), [this](const ros::SteadyTimerEvent&) {
         const std::string problem = missing();
-        if (!problem.empty()) ROS_WARN_THROTTLE(30.0, "%s", problem.c_str());
+        if (throttle_.passes(problem)) ROS_WARN("%s", problem.c_str());
       });
 }
 
 void RgbdSubscriber::synchronize() {
   if (config_.sync == "exact") {
-    exact_ = std::make_unique<message_filters::Synchronizer<ExactPolicy>>(ExactPolicy(kPairingQueue), rgb_subscriber_,
+    exact_ = std::make_unique<message_filters::Synchronizer<ExactPolicy>>(ExactPolicy(pairing_queue_), rgb_subscriber_,
                                                                           depth_subscriber_);
     exact_->registerCallback(&RgbdSubscriber::onPair, this);
     return;
   }
-  ApproximatePolicy policy(kPairingQueue);
+  ApproximatePolicy policy(pairing_queue_);
   policy.setMaxIntervalDuration(ros::Duration(config_.max_interval_s));
   for (int stream = 0; stream < 2; ++stream) policy.setInterMessageLowerBound(stream, ros::Duration(kShortestPeriodS));
   approximate_ = std::make_unique<message_filters::Synchronizer<ApproximatePolicy>>(std::as_const(policy),

@@ -47,13 +47,14 @@ StageDiagnostics::Step::~Step() {
 }
 
 StageDiagnostics::StageDiagnostics(ros::NodeHandle nh, ros::NodeHandle private_nh, const std::string& node_name,
-                                   const std::string& stage, double budget_ms, Input input)
-    : budget_ms_(budget_ms),
-      input_(std::move(input)),
-      last_report_(ros::SteadyTime::now()),
-      updater_(nh, private_nh, node_name) {
+                                   const std::string& stage, double budget_ms)
+    : budget_ms_(budget_ms), last_report_(ros::SteadyTime::now()), updater_(nh, private_nh, node_name) {
   updater_.setHardwareID("none");
   updater_.add(stage, [this](Status& status) { fill(status); });
+}
+
+void StageDiagnostics::start(ros::NodeHandle nh, Sources sources) {
+  sources_ = std::move(sources);
   timer_ = nh.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { updater_.update(); });
 }
 
@@ -86,15 +87,15 @@ void StageDiagnostics::fill(Status& status) {
     status.mergeSummary(DiagnosticStatus::WARN, "slower than the budget");
   }
 
-  const QueueCounters queue = input_.queue();
+  const QueueCounters queue = sources_.queue();
   status.add("queue high water", queue.high_water);
   status.add("dropped", queue.dropped);
   if (queue.dropped > reported_drops_) status.mergeSummary(DiagnosticStatus::WARN, "dropping input");
   reported_drops_ = queue.dropped;
 
-  const std::string missing = input_.missing();
+  const std::string missing = sources_.missing();
   if (!missing.empty()) status.mergeSummary(DiagnosticStatus::ERROR, missing);
-  if (input_.details) input_.details(status);
+  if (sources_.details) sources_.details(status);
 }
 
 }  // namespace semantic_vslam

@@ -25,32 +25,27 @@ TfPublisher::TfPublisher(ros::NodeHandle nh, const FramesConfig& config) : confi
 }
 
 std::string TfPublisher::bodyFrame(const std_msgs::Header& image) const {
-  return config_.base_frame.empty() ? image.frame_id : config_.base_frame;
+  return config_.base_frame.empty() ? frameName(image.frame_id) : config_.base_frame;
 }
 
-std::optional<SE3> TfPublisher::publish(const std_msgs::Header& image, const SE3& T_map_camera) {
-  const std::optional<SE3> T_camera_base = cameraFromBase(image);
-  if (!T_camera_base) return std::nullopt;
-  const SE3 T_map_base = T_map_camera * *T_camera_base;
-  if (!config_.publish_tf) return T_map_base;
+std::optional<SE3> TfPublisher::cameraFromBody(const std_msgs::Header& image) {
+  const std::string camera_frame = frameName(image.frame_id);
+  if (config_.base_frame.empty() || config_.base_frame == camera_frame) return SE3(SE3::Identity());
+  return lookUp(camera_frame, config_.base_frame, image.stamp);
+}
+
+void TfPublisher::publish(const std_msgs::Header& image, const SE3& T_map_body) {
+  if (!config_.publish_tf) return;
   if (config_.odom_frame.empty()) {
-    send(bodyFrame(image), image.stamp, T_map_base);
-  } else if (const auto T_base_odom = lookUp(config_.base_frame, config_.odom_frame, image.stamp, config_.tf_wait_s)) {
-    send(config_.odom_frame, image.stamp + ros::Duration(config_.tf_future_s), T_map_base * *T_base_odom);
+    send(bodyFrame(image), image.stamp, T_map_body);
+  } else if (const auto T_base_odom = lookUp(config_.base_frame, config_.odom_frame, image.stamp)) {
+    send(config_.odom_frame, image.stamp + ros::Duration(config_.tf_future_s), T_map_body * *T_base_odom);
   }
-  return T_map_base;
 }
 
-std::optional<SE3> TfPublisher::cameraFromBase(const std_msgs::Header& image) {
-  if (config_.base_frame.empty() || config_.base_frame == image.frame_id) return SE3(SE3::Identity());
-  // The mount may move (a pan-tilt head), so it is asked for at the image's stamp.
-  return lookUp(image.frame_id, config_.base_frame, image.stamp, config_.tf_wait_s);
-}
-
-std::optional<SE3> TfPublisher::lookUp(const std::string& target, const std::string& source, const ros::Time& time,
-                                       double wait_s) {
+std::optional<SE3> TfPublisher::lookUp(const std::string& target, const std::string& source, const ros::Time& time) {
   try {
-    return fromRos(buffer_->lookupTransform(target, source, time, ros::Duration(wait_s)).transform);
+    return fromRos(buffer_->lookupTransform(target, source, time, ros::Duration(config_.tf_wait_s)).transform);
   } catch (const tf2::TransformException& error) {
     ++failed_lookups_;
     ROS_WARN_THROTTLE(5.0, "tf of this frame skipped: %s -> %s: %s", target.c_str(), source.c_str(), error.what());

@@ -4,6 +4,9 @@
 
 #include <geometry_msgs/Pose.h>
 #include <geometry_msgs/Transform.h>
+#include <geometry_msgs/Twist.h>
+#include <nav_msgs/OccupancyGrid.h>
+#include <octomap_msgs/Octomap.h>
 #include <ros/time.h>
 #include <semantic_vslam/KeyframePoseArray.h>
 #include <semantic_vslam/KeyframeStamped.h>
@@ -11,6 +14,7 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <boost/array.hpp>
 #include <cstdint>
@@ -21,6 +25,9 @@
 #include "semantic_vslam/core/camera/camera_model.h"
 #include "semantic_vslam/core/common/stamp.h"
 #include "semantic_vslam/core/dense/keyframe_cloud.h"
+#include "semantic_vslam/core/dense/map_objects.h"
+#include "semantic_vslam/core/dense/occupancy_grid.h"
+#include "semantic_vslam/core/dense/semantic_octree.h"
 #include "semantic_vslam/core/geometry/se3.h"
 #include "semantic_vslam/core/segmentation/label_set.h"
 
@@ -34,12 +41,20 @@ SE3 fromRos(const geometry_msgs::Pose& pose);
 SE3 fromRos(const geometry_msgs::Transform& transform);
 geometry_msgs::Pose toPose(const SE3& transform);
 geometry_msgs::Transform toTransform(const SE3& transform);
+/// @param velocity  translation (m/s) first, rotation (rad/s) second
+geometry_msgs::Twist toTwist(const Vector6d& velocity);
 
 /// Rotation from the optical frame (x right, y down, z forward) to a body frame (x forward, y left, z up), REP 103.
 SE3 bodyFromOptical();
 
-/// Row-major 6 x 6 covariance of geometry_msgs (x y z, rotation about x y z), which is the core's order too.
-boost::array<double, 36> toRosCovariance(const Matrix6d& covariance);
+/// Frame name without the leading slash of old drivers and bags, which tf2 refuses.
+std::string frameName(const std::string& frame_id);
+
+/// Covariance of a body's pose as geometry_msgs has it: row-major, position (m) first, then rotation about the axes of
+/// the fixed frame (rad).
+/// @param covariance  of the left perturbation of T_camera_world, translation first: the core's
+/// @param T_camera_body  where the body is; its lever arm turns rotation into position
+boost::array<double, 36> bodyCovariance(const Matrix6d& covariance, const SE3& T_map_camera, const SE3& T_camera_body);
 
 /// @param rectified  true: the images are rectified, so P holds and there is no distortion; false: K and D hold.
 /// @throws Error if the camera is uncalibrated or its distortion model is not plumb_bob.
@@ -70,6 +85,13 @@ KeyframeStamped toRos(const KeyframePose& pose, const std::string& map_frame, st
 
 /// Unordered cloud with the fields x y z (float32, metres), rgb (packed, as rviz and PCL expect) and label (uint8).
 sensor_msgs::PointCloud2Ptr toRos(const std::vector<LabelledPoint>& points, const std_msgs::Header& header);
+
+/// A box and a text with the class for each object, for rviz; the first marker removes those of before.
+visualization_msgs::MarkerArray toRos(const std::vector<MapObject>& objects, const LabelSet& labels,
+                                      const std_msgs::Header& header);
+
+octomap_msgs::Octomap toRos(OctreeMessage octree, const std_msgs::Header& header);
+nav_msgs::OccupancyGrid toRos(const OccupancyGrid& grid, const std_msgs::Header& header);
 
 /// Unordered cloud with the fields x y z (float32, metres).
 sensor_msgs::PointCloud2Ptr toRos(const std::vector<Eigen::Vector3d>& points, const std_msgs::Header& header);

@@ -17,26 +17,25 @@ namespace semantic_vslam {
 /// @throws ConfigError naming a parameter that is no single value (a list, binary data).
 std::vector<std::pair<std::string, std::string>> readPrivateParameters(const ros::NodeHandle& private_nh);
 
-/// Sets a described config from, in this order: its defaults, the sections of the YAML file in `~config_file` whose
-/// names this config has, and the private parameters. A key `motion.theta` is the parameter `~motion/theta`.
-/// A file section of another stage is passed over, so that one file serves all nodelets and the offline tool.
+/// Reads a configuration file of the whole system, as the offline tool takes it, and checks all of it.
+/// @return the entries that one of `known` names: those of the stages that this nodelet runs.
+/// @throws FileError for the file; ConfigError naming a key that no stage has, or that is mistyped or out of range.
+std::vector<std::pair<std::string, std::string>> readConfigFileFor(const std::vector<ConfigEntry>& known,
+                                                                   const std::string& path);
+
+/// Sets a described config from, in this order: its defaults, the YAML file in `~config_file`, and the private
+/// parameters. The key `motion.model` is the parameter `~motion/model`.
 /// @throws ConfigError naming an unknown key, a wrong type or a value out of range; FileError for the file.
-template <class Config>
-Config loadParameters(const ros::NodeHandle& private_nh);
-
-/// @return the entries of a config file that belong to one of the config's top-level sections.
-std::vector<std::pair<std::string, std::string>> readConfigSections(const std::string& path,
-                                                                    const std::vector<ConfigEntry>& known);
-
 template <class Config>
 Config loadParameters(const ros::NodeHandle& private_nh) {
   Config config;
   std::string config_file;
   private_nh.getParam("config_file", config_file);
   if (!config_file.empty()) {
-    for (const auto& [key, value] : readConfigSections(config_file, listConfig(config))) setConfig(config, key, value);
+    for (const auto& [key, value] : readConfigFileFor(listConfig(config), config_file)) setConfig(config, key, value);
   }
   for (const auto& [key, value] : readPrivateParameters(private_nh)) setConfig(config, key, value);
+  validateConfig(config);
   return config;
 }
 

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "semantic_vslam/core/camera/rgbd_frame.h"
+#include "semantic_vslam/ros/log_throttle.h"
 #include "semantic_vslam/ros/rgbd_subscriber.h"
 
 namespace semantic_vslam {
@@ -31,6 +32,7 @@ class RgbdConverter {
   std::shared_ptr<const CameraModel> camera_;
   sensor_msgs::CameraInfoConstPtr camera_info_;  // what camera_ was made of; null if of a file
   std::uint64_t next_index_ = 0;
+  LogThrottle throttle_;
   std::atomic<std::size_t> refused_{0};
 };
 

@@ -17,6 +17,8 @@
 #include <mutex>
 #include <string>
 
+#include "semantic_vslam/ros/log_throttle.h"
+
 namespace semantic_vslam {
 
 /// How a nodelet takes its images in.
@@ -71,6 +73,7 @@ class RgbdSubscriber {
   void onInfo(const sensor_msgs::CameraInfoConstPtr& info);
 
   const RgbdInputConfig config_;
+  const int pairing_queue_;  // images of one stream that wait for their partner
   const Sink sink_;
   std::atomic<std::size_t> rgb_images_{0}, depth_images_{0}, pairs_{0};
   mutable std::mutex mutex_;
@@ -83,6 +86,7 @@ class RgbdSubscriber {
   ros::Subscriber info_subscriber_;
   std::unique_ptr<message_filters::Synchronizer<ExactPolicy>> exact_;
   std::unique_ptr<message_filters::Synchronizer<ApproximatePolicy>> approximate_;
+  LogThrottle throttle_;  // callback thread only
   ros::SteadyTimer silence_timer_;
 };
 

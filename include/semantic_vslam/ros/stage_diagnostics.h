@@ -27,7 +27,8 @@ class StageDiagnostics {
  public:
   using Status = diagnostic_updater::DiagnosticStatusWrapper;
 
-  struct Input {
+  /// Where the values come from; all called from the callback thread.
+  struct Sources {
     std::function<std::string()> missing;  ///< what is wrong with the input; "" if nothing
     std::function<QueueCounters()> queue;  ///< of the worker
     std::function<void(Status&)> details;  ///< adds values, may merge a warning
@@ -35,7 +36,12 @@ class StageDiagnostics {
 
   /// @param budget_ms  wall-clock time that a step may take at the rate the nodelet is meant to keep
   StageDiagnostics(ros::NodeHandle nh, ros::NodeHandle private_nh, const std::string& node_name,
-                   const std::string& stage, double budget_ms, Input input);
+                   const std::string& stage, double budget_ms);
+
+  /// Begins to report; the sources must stay valid until stop().
+  void start(ros::NodeHandle nh, Sources sources);
+  /// Returns when no report is under way any more.
+  void stop() { timer_.stop(); }
 
   /// Times one step from construction to destruction, on one thread.
   class Step {
@@ -59,13 +65,13 @@ class StageDiagnostics {
   void fill(Status& status);
 
   const double budget_ms_;
-  const Input input_;
+  Sources sources_;
   std::mutex mutex_;
   std::vector<double> wall_ms_, cpu_ms_;  // guarded by mutex_; of the period since the last report
   Stamp newest_;                          // guarded by mutex_
   std::size_t steps_ = 0;                 // guarded by mutex_
-  std::size_t reported_drops_ = 0;        // updater only
-  ros::SteadyTime last_report_;           // updater only
+  std::size_t reported_drops_ = 0;        // callback thread only
+  ros::SteadyTime last_report_;           // callback thread only
   diagnostic_updater::Updater updater_;
   ros::SteadyTimer timer_;
 };

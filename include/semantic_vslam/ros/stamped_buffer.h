@@ -19,9 +19,10 @@ class StampedBuffer {
  public:
   explicit StampedBuffer(std::size_t capacity) : capacity_(capacity) {}
 
-  /// Adds or replaces. When full, the oldest goes.
+  /// Adds or replaces. When full, the oldest goes. A stamp far before the newest begins a new recording: all else goes.
   void put(Stamp stamp, T value) {
     std::lock_guard<std::mutex> lock(mutex_);
+    if (!values_.empty() && secondsBetween(stamp, values_.rbegin()->first) > kRestartS) values_.clear();
     values_[stamp] = std::move(value);
     if (values_.size() > capacity_) values_.erase(values_.begin());
     changed_.notify_all();
@@ -38,6 +39,12 @@ class StampedBuffer {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait_for(lock, budget, [&] { return closed_ || (!values_.empty() && stamp <= values_.rbegin()->first); });
     return findLocked(stamp);
+  }
+
+  /// @return stamp of the newest value.
+  std::optional<Stamp> newest() const {
+    std::lock_guard<std::mutex> lock(mutex_);
+    return values_.empty() ? std::nullopt : std::optional<Stamp>(values_.rbegin()->first);
   }
 
   void clear() {
@@ -57,6 +64,9 @@ class StampedBuffer {
     const auto found = values_.find(stamp);
     return found == values_.end() ? std::nullopt : std::optional<T>(found->second);
   }
+
+  // Streams are in order but for labels of a frame that was chosen late; a bag played again jumps further than that.
+  static constexpr double kRestartS = 2.0;
 
   const std::size_t capacity_;
   mutable std::mutex mutex_;

@@ -46,19 +46,22 @@ class TfPublisher {
   TfPublisher(ros::NodeHandle nh, const FramesConfig& config);
 
   /// @param image  header of the image: stamp, and frame_id of the camera's optical frame
-  /// @param T_map_camera  pose of that optical frame
-  /// @return pose of the base (of the camera where no base_frame is set); nothing if tf does not know base -> camera.
-  std::optional<SE3> publish(const std_msgs::Header& image, const SE3& T_map_camera);
-
   /// @return child frame of odometry: base_frame, or the camera's frame where there is none.
   std::string bodyFrame(const std_msgs::Header& image) const;
+
+  /// @return where the body is in the camera's optical frame, asked for at the image's stamp, as the mount may move;
+  ///         nothing if tf does not know, which is counted.
+  std::optional<SE3> cameraFromBody(const std_msgs::Header& image);
+
+  /// Broadcasts the one edge; for map -> odom, nothing if tf does not know odom -> base at the image's stamp, which is
+  /// counted.
+  void publish(const std_msgs::Header& image, const SE3& T_map_body);
 
   std::size_t sent() const { return sent_; }
   std::size_t failedLookups() const { return failed_lookups_; }
 
  private:
-  std::optional<SE3> lookUp(const std::string& target, const std::string& source, const ros::Time& time, double wait_s);
-  std::optional<SE3> cameraFromBase(const std_msgs::Header& image);
+  std::optional<SE3> lookUp(const std::string& target, const std::string& source, const ros::Time& time);
   void send(const std::string& child, const ros::Time& stamp, const SE3& T_map_child);
 
   const FramesConfig config_;

@@ -1,0 +1,186 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <nodelet/nodelet.h>
+#include <semantic_vslam/LabelInfo.h>
+#include <semantic_vslam/MotionReport.h>
+#include <semantic_vslam/MotionThresholdsConfig.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <pluginlib/class_list_macros.hpp>
+#include <utility>
+#include <vector>
+
+#include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/motion/flow_colour.h"
+#include "semantic_vslam/core/motion/motion_detector.h"
+#include "semantic_vslam/ros/conversions.h"
+#include "semantic_vslam/ros/parameters.h"
+#include "semantic_vslam/ros/rgbd_converter.h"
+#include "semantic_vslam/ros/rgbd_subscriber.h"
+#include "semantic_vslam/ros/stage_diagnostics.h"
+#include "semantic_vslam/ros/threshold_server.h"
+#include "semantic_vslam/ros/worker.h"
+
+namespace semantic_vslam {
+
+struct MotionNodeletConfig {
+  double budget_ms = 33.0;
+  RgbdInputConfig input;
+  MotionConfig motion;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("budget_ms", budget_ms, 1.0, 1000.0, "ms a frame may take before the diagnostics warn; 33 keeps 30 Hz");
+    v.group("input", input);
+    v.group("motion", motion);
+  }
+};
+
+/// Images -> motion/mask (mono8, probability 0..255 that a pixel is on a moving object), motion/flow_image when
+/// watched, motion/report. Labels of keyframes, late as they are, are carried forward into the mask.
+class MotionNodelet final : public nodelet::Nodelet {
+ public:
+  ~MotionNodelet() override;
+
+ private:
+  void onInit() override;
+  void start();
+  void onLabels(const sensor_msgs::ImageConstPtr& message);
+  void onLabelInfo(const LabelInfoConstPtr& message);
+
+  // Worker thread
+  void step(const RgbdMessages& messages);
+  void takeChanges();
+  void publish(const std_msgs::Header& header, const MotionResult& result, double cpu_ms);
+
+  MotionNodeletConfig config_;
+  std::optional<RgbdConverter> converter_;  // worker only
+  std::optional<MotionDetector> detector_;  // worker only
+  Stamp last_stamp_;                        // worker only
+  std::mutex mutex_;
+  std::optional<MotionConfig> new_config_;               // guarded by mutex_
+  std::vector<std::pair<Stamp, cv::Mat1b>> new_labels_;  // guarded by mutex_
+  LabelSet label_set_;                                   // guarded by mutex_
+  std::atomic<std::size_t> labels_taken_{0}, labels_late_{0};
+
+  ros::Publisher mask_publisher_, flow_publisher_, report_publisher_;
+  std::unique_ptr<StageDiagnostics> diagnostics_;
+  std::unique_ptr<Worker<RgbdMessages>> worker_;
+  std::unique_ptr<ThresholdServer<MotionThresholdsConfig, MotionNodeletConfig>> thresholds_;
+  ros::Subscriber labels_subscriber_, label_info_subscriber_;
+  std::unique_ptr<RgbdSubscriber> input_;
+};
+
+MotionNodelet::~MotionNodelet() {
+  // Callbacks stop first, then the worker, then what both use.
+  labels_subscriber_.shutdown();
+  label_info_subscriber_.shutdown();
+  thresholds_.reset();
+  if (diagnostics_) diagnostics_->stop();
+  input_.reset();
+  worker_.reset();
+}
+
+void MotionNodelet::onInit() {
+  try {
+    start();
+  } catch (const Error& error) {
+    NODELET_FATAL("%s", error.what());
+    throw;  // the loader gives the nodelet up; a node ends
+  }
+}
+
+void MotionNodelet::start() {
+  installRosLogSink();
+  ros::NodeHandle nh = getNodeHandle(), private_nh = getPrivateNodeHandle();
+  config_ = loadParameters<MotionNodeletConfig>(private_nh);
+  converter_.emplace(config_.input);
+  detector_.emplace(config_.motion);
+
+  mask_publisher_ = nh.advertise<sensor_msgs::Image>("motion/mask", 5);
+  flow_publisher_ = nh.advertise<sensor_msgs::Image>("motion/flow_image", 1);
+  report_publisher_ = nh.advertise<MotionReport>("motion/report", 30);
+  diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "motion", config_.budget_ms);
+  worker_ = std::make_unique<Worker<RgbdMessages>>(config_.input.queue_size, QueuePolicy::kDropOldest,
+                                                   [this](const RgbdMessages& messages) { step(messages); });
+  thresholds_ = std::make_unique<ThresholdServer<MotionThresholdsConfig, MotionNodeletConfig>>(
+      private_nh, config_, [this](const MotionNodeletConfig& accepted) {
+        validateConfig(accepted);
+        std::lock_guard<std::mutex> lock(mutex_);
+        new_config_ = accepted.motion;
+      });
+  label_info_subscriber_ = nh.subscribe("segmentation/label_info", 1, &MotionNodelet::onLabelInfo, this);
+  labels_subscriber_ = nh.subscribe("segmentation/labels", 5, &MotionNodelet::onLabels, this);
+  input_ = std::make_unique<RgbdSubscriber>(nh, config_.input,
+                                            [this](const RgbdMessages& messages) { worker_->push(messages); });
+  diagnostics_->start(nh, {[this] { return input_->missing(); }, [this] { return worker_->counters(); },
+                           [this](StageDiagnostics::Status& status) {
+                             status.add("frames refused", converter_->refused());
+                             status.add("label images used", labels_taken_.load());
+                             status.add("label images too late", labels_late_.load());
+                           }});
+}
+
+void MotionNodelet::onLabelInfo(const LabelInfoConstPtr& message) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  label_set_ = fromRos(*message);
+}
+
+void MotionNodelet::onLabels(const sensor_msgs::ImageConstPtr& message) {
+  try {
+    std::lock_guard<std::mutex> lock(mutex_);
+    new_labels_.emplace_back(fromRos(message->header.stamp), maskFromRos(message));
+  } catch (const Error& error) {
+    NODELET_ERROR_THROTTLE(5.0, "labels refused: %s", error.what());
+  }
+}
+
+void MotionNodelet::takeChanges() {
+  std::optional<MotionConfig> new_config;
+  std::vector<std::pair<Stamp, cv::Mat1b>> new_labels;
+  LabelSet label_set;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    new_config.swap(new_config_);
+    new_labels.swap(new_labels_);
+    label_set = label_set_;
+  }
+  if (new_config) detector_.emplace(*new_config);  // costs the memory of one frame; thresholds change by hand
+  for (const auto& [stamp, labels] : new_labels) {
+    ++(detector_->addLabels(stamp, labels, label_set) ? labels_taken_ : labels_late_);
+  }
+}
+
+void MotionNodelet::step(const RgbdMessages& messages) {
+  const StageDiagnostics::Step timer(*diagnostics_, fromRos(messages.rgb->header.stamp));
+  const std::optional<RgbdFrame> frame = converter_->convert(messages);
+  if (!frame) return;
+  if (frame->stamp < last_stamp_) NODELET_WARN("stamps went back: motion starts anew");
+  last_stamp_ = frame->stamp;
+  takeChanges();
+  const MotionResult result = detector_->detect(*frame);
+  publish(messages.rgb->header, result, timer.cpuMs());
+}
+
+void MotionNodelet::publish(const std_msgs::Header& header, const MotionResult& result, double cpu_ms) {
+  mask_publisher_.publish(toRos(header, "mono8", result.dynamic));
+  if (flow_publisher_.getNumSubscribers() > 0 && !result.flow_px.empty()) {
+    flow_publisher_.publish(toRos(header, "bgr8", flowPicture(result.flow_px)));
+  }
+  auto report = boost::make_shared<MotionReport>();
+  report->header = header;
+  report->model = result.model == MotionModel::kRigidFlow    ? MotionReport::MODEL_RIGID_FLOW
+                  : result.model == MotionModel::kHomography ? MotionReport::MODEL_HOMOGRAPHY
+                                                             : MotionReport::MODEL_NONE;
+  report->inliers = static_cast<std::uint32_t>(result.inliers);
+  report->dynamic_share = static_cast<float>(result.dynamic_share);
+  report->cpu_ms = static_cast<float>(cpu_ms);
+  report_publisher_.publish(report);
+}
+
+}  // namespace semantic_vslam
+
+PLUGINLIB_EXPORT_CLASS(semantic_vslam::MotionNodelet, nodelet::Nodelet)

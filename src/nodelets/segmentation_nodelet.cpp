@@ -1,0 +1,175 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <nodelet/nodelet.h>
+#include <semantic_vslam/KeyframePoseArray.h>
+#include <semantic_vslam/KeyframeStamped.h>
+#include <semantic_vslam/LabelInfo.h>
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/segmentation/label_picture.h"
+#include "semantic_vslam/core/segmentation/segmentation_stage.h"
+#include "semantic_vslam/ros/conversions.h"
+#include "semantic_vslam/ros/parameters.h"
+#include "semantic_vslam/ros/rgbd_converter.h"
+#include "semantic_vslam/ros/rgbd_subscriber.h"
+#include "semantic_vslam/ros/stage_diagnostics.h"
+#include "semantic_vslam/ros/stamped_buffer.h"
+#include "semantic_vslam/ros/worker.h"
+
+namespace semantic_vslam {
+
+struct SegmentationNodeletConfig {
+  double budget_ms = 500.0;
+  int kept_frames = 30;
+  RgbdInputConfig input;
+  SegmentationConfig segmentation;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("budget_ms", budget_ms, 1.0, 10000.0,
+            "ms a keyframe may take before the diagnostics warn; keyframes come about twice a second");
+    v.field("kept_frames", kept_frames, 2, 300,
+            "newest images that wait for the tracker to name one of them; 30 are a second and 60 MB at 640x480");
+    v.group("input", input);
+    v.group("segmentation", segmentation);
+  }
+};
+
+/// Images of keyframes -> segmentation/labels (mono8, index into label_info), segmentation/label_info (latched),
+/// segmentation/overlay when watched. Until the first keyframe is named every image is offered, so that tracking can
+/// initialise without people. Newest wins: what the network has no time for is never labelled.
+class SegmentationNodelet final : public nodelet::Nodelet {
+ public:
+  ~SegmentationNodelet() override;
+
+ private:
+  void onInit() override;
+  void start();
+  void openNetwork();
+  void onPair(const RgbdMessages& messages);
+  void onKeyframe(const KeyframeStampedConstPtr& message);
+  void onKeyframePoses(const KeyframePoseArrayConstPtr& message);
+
+  // Worker thread
+  void step(Stamp stamp);
+  void publish(const std_msgs::Header& header, const RgbdFrame& frame, const cv::Mat1b& labels);
+
+  SegmentationNodeletConfig config_;
+  std::optional<RgbdConverter> converter_;  // worker only
+  std::optional<SegmentationStage> stage_;  // worker only; none without a network
+  std::unique_ptr<StampedBuffer<RgbdMessages>> frames_;
+  std::atomic<bool> keyframe_seen_{false};
+  std::atomic<std::size_t> images_missing_{0};
+  Stamp newest_pair_;  // callback thread only
+
+  ros::Publisher labels_publisher_, info_publisher_, overlay_publisher_;
+  std::unique_ptr<StageDiagnostics> diagnostics_;
+  std::unique_ptr<Worker<Stamp>> worker_;
+  ros::Subscriber keyframe_subscriber_, keyframe_poses_subscriber_;
+  std::unique_ptr<RgbdSubscriber> input_;
+};
+
+SegmentationNodelet::~SegmentationNodelet() {
+  keyframe_subscriber_.shutdown();
+  keyframe_poses_subscriber_.shutdown();
+  if (diagnostics_) diagnostics_->stop();
+  input_.reset();
+  if (frames_) frames_->close();
+  worker_.reset();
+}
+
+void SegmentationNodelet::onInit() {
+  try {
+    start();
+  } catch (const Error& error) {
+    NODELET_FATAL("%s", error.what());
+    throw;  // the loader gives the nodelet up; a node ends
+  }
+}
+
+/// A network that does not load costs the labels, not the robot: everything else goes on with motion detection.
+void SegmentationNodelet::openNetwork() {
+  try {
+    stage_.emplace(config_.segmentation);
+    if (!stage_->enabled()) stage_.reset();  // no model is configured; the stage has said so
+  } catch (const ModelError& error) {
+    NODELET_ERROR("%s; going on without labels", error.what());
+  }
+}
+
+void SegmentationNodelet::start() {
+  installRosLogSink();
+  ros::NodeHandle nh = getNodeHandle(), private_nh = getPrivateNodeHandle();
+  config_ = loadParameters<SegmentationNodeletConfig>(private_nh);
+  openNetwork();
+  if (!stage_) return;
+  converter_.emplace(config_.input);
+  frames_ = std::make_unique<StampedBuffer<RgbdMessages>>(config_.kept_frames);
+
+  labels_publisher_ = nh.advertise<sensor_msgs::Image>("segmentation/labels", 5);
+  overlay_publisher_ = nh.advertise<sensor_msgs::Image>("segmentation/overlay", 1);
+  info_publisher_ = nh.advertise<LabelInfo>("segmentation/label_info", 1, true);
+  info_publisher_.publish(toRos(stage_->labels()));
+
+  diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "segmentation", config_.budget_ms);
+  worker_ = std::make_unique<Worker<Stamp>>(1, QueuePolicy::kDropOldest, [this](Stamp stamp) { step(stamp); });
+  keyframe_subscriber_ = nh.subscribe("tracking/keyframe", 10, &SegmentationNodelet::onKeyframe, this);
+  input_ =
+      std::make_unique<RgbdSubscriber>(nh, config_.input, [this](const RgbdMessages& messages) { onPair(messages); });
+  diagnostics_->start(nh, {[this] { return input_->missing(); }, [this] { return worker_->counters(); },
+                           [this](StageDiagnostics::Status& status) {
+                             status.add("frames refused", converter_->refused());
+                             status.add("keyframes without images", images_missing_.load());
+                           }});
+}
+
+void SegmentationNodelet::onPair(const RgbdMessages& messages) {
+  const Stamp stamp = fromRos(messages.rgb->header.stamp);
+  if (stamp < newest_pair_) {
+    NODELET_WARN("stamps went back: every image is offered again until the next keyframe");
+    keyframe_seen_ = false;
+  }
+  newest_pair_ = stamp;
+  frames_->put(stamp, messages);
+  if (!keyframe_seen_) worker_->push(stamp);
+}
+
+void SegmentationNodelet::onKeyframe(const KeyframeStampedConstPtr& message) {
+  keyframe_seen_ = true;
+  worker_->push(fromRos(message->header.stamp));
+}
+
+void SegmentationNodelet::onKeyframePoses(const KeyframePoseArrayConstPtr& message) {
+  if (message->keyframes.empty()) keyframe_seen_ = false;  // the tracker was reset and will start again
+}
+
+void SegmentationNodelet::step(Stamp stamp) {
+  // The tracker may be a moment ahead of this nodelet's own pairing.
+  const std::optional<RgbdMessages> messages = frames_->waitFor(stamp, std::chrono::milliseconds(500));
+  if (!messages) {
+    ++images_missing_;
+    return;
+  }
+  const StageDiagnostics::Step timer(*diagnostics_, stamp);
+  const std::optional<RgbdFrame> frame = converter_->convert(*messages);
+  if (!frame) return;
+  const cv::Mat1b labels = stage_->process(*frame);
+  if (!labels.empty()) publish(messages->rgb->header, *frame, labels);
+}
+
+void SegmentationNodelet::publish(const std_msgs::Header& header, const RgbdFrame& frame, const cv::Mat1b& labels) {
+  labels_publisher_.publish(toRos(header, "mono8", labels));
+  if (overlay_publisher_.getNumSubscribers() > 0) {
+    overlay_publisher_.publish(toRos(header, "bgr8", drawLabels(frame.bgr, labels, stage_->labels())));
+  }
+}
+
+}  // namespace semantic_vslam
+
+PLUGINLIB_EXPORT_CLASS(semantic_vslam::SegmentationNodelet, nodelet::Nodelet)

@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/ros/nodelet_main.h"
+
+#include <nodelet/loader.h>
+#include <ros/ros.h>
+
+namespace semantic_vslam {
+
+int runNodelet(int argc, char** argv, const std::string& node_name, const std::string& nodelet) {
+  ros::init(argc, argv, node_name);
+  nodelet::Loader loader(false);
+  const nodelet::V_string arguments(argv + 1, argv + argc);
+  if (!loader.load(ros::this_node::getName(), nodelet, ros::names::getRemappings(), arguments)) return 1;
+  ros::spin();
+  return 0;
+}
+
+}  // namespace semantic_vslam

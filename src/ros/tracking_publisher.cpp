@@ -1,0 +1,181 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/ros/tracking_publisher.h"
+
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <nav_msgs/Path.h>
+#include <semantic_vslam/KeyframeStamped.h>
+#include <semantic_vslam/TrackingReport.h>
+
+#include "semantic_vslam/ros/conversions.h"
+
+namespace semantic_vslam {
+namespace {
+
+// rviz draws more poses than this no better, and a long run must not fill the network with its path.
+constexpr std::size_t kLongestPath = 2000;
+
+std::uint8_t stateCode(TrackingState state) {
+  switch (state) {
+    case TrackingState::kInitialising: return TrackingReport::INITIALISING;
+    case TrackingState::kOk: return TrackingReport::OK;
+    case TrackingState::kRecentlyLost: return TrackingReport::RECENTLY_LOST;
+    case TrackingState::kLost: break;
+  }
+  return TrackingReport::LOST;
+}
+
+}  // namespace
+
+SE3 InitialPoseConfig::transform() const {
+  const Eigen::Quaterniond rotation = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+                                      Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+                                      Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX());
+  return makeSE3(rotation, Eigen::Vector3d(x, y, z));
+}
+
+TrackingPublisher::TrackingPublisher(ros::NodeHandle nh, const FramesConfig& frames,
+                                     const InitialPoseConfig& initial_pose, double path_period_s)
+    : frames_(frames),
+      initial_pose_(initial_pose),
+      path_period_s_(path_period_s),
+      tf_(nh, frames),
+      // Ids of an earlier run of this node must not pass for ours with whoever kept its keyframes.
+      map_id_(ros::WallTime::now().sec) {
+  odometry_ = nh.advertise<nav_msgs::Odometry>("tracking/odometry", 30);
+  pose_ = nh.advertise<geometry_msgs::PoseWithCovarianceStamped>("tracking/pose", 30);
+  path_ = nh.advertise<nav_msgs::Path>("tracking/path", 1, true);
+  state_ = nh.advertise<TrackingReport>("tracking/state", 30);
+  keyframe_ = nh.advertise<KeyframeStamped>("tracking/keyframe", 30);
+  keyframe_poses_ = nh.advertise<KeyframePoseArray>("tracking/keyframe_poses", 1, true);
+  points_ = nh.advertise<sensor_msgs::PointCloud2>("tracking/points", 1);
+}
+
+void TrackingPublisher::reset() {
+  ++map_id_;
+  last_body_pose_.reset();
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    T_map_world_.reset();
+  }
+  KeyframePoseArray nothing;
+  nothing.header.frame_id = frames_.map_frame;
+  nothing.map_id = map_id_;
+  keyframe_poses_.publish(nothing);
+}
+
+void TrackingPublisher::publish(const std_msgs::Header& image, const SE3& T_camera_body, const SparseStep& step,
+                                const SparseSlam& slam, const TrackedFrameReport& report) {
+  anchorMap(T_camera_body);
+  const TrackingState state = step.tracking.state;
+  if (state == TrackingState::kOk || state == TrackingState::kRecentlyLost) {
+    publishPose(image, T_camera_body, step.tracking);
+  }
+  publishKeyframes(step, slam, image);
+  publishPath(image, slam);
+  publishState(image, step, slam, report);
+}
+
+void TrackingPublisher::anchorMap(const SE3& T_camera_body) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (T_map_world_) return;
+  // Without a base frame the body is the camera itself, level and looking forward.
+  T_map_world_ = initial_pose_.transform() * (frames_.base_frame.empty() ? bodyFromOptical() : T_camera_body.inverse());
+}
+
+void TrackingPublisher::publishPose(const std_msgs::Header& image, const SE3& T_camera_body,
+                                    const TrackingResult& tracking) {
+  const SE3 T_map_camera = *T_map_world_ * tracking.T_camera_world.inverse();
+  const SE3 T_map_body = T_map_camera * T_camera_body;
+  tf_.publish(image, T_map_body);
+
+  nav_msgs::Odometry odometry;
+  odometry.header.stamp = image.stamp;
+  odometry.header.frame_id = frames_.map_frame;
+  odometry.child_frame_id = tf_.bodyFrame(image);
+  odometry.pose.pose = toPose(T_map_body);
+  odometry.pose.covariance = bodyCovariance(tracking.covariance, T_map_camera, T_camera_body);
+  odometry.twist.twist = twistTo({fromRos(image.stamp), T_map_body});
+  odometry_.publish(odometry);
+
+  geometry_msgs::PoseWithCovarianceStamped pose;
+  pose.header = odometry.header;
+  pose.pose = odometry.pose;
+  pose_.publish(pose);
+}
+
+/// Mean velocity since the last frame, in the body's axes.
+geometry_msgs::Twist TrackingPublisher::twistTo(const TimedPose& body) {
+  const std::optional<TimedPose> last = last_body_pose_;
+  last_body_pose_ = body;
+  if (!last || body.stamp <= last->stamp) return geometry_msgs::Twist();
+  const Vector6d motion = se3Log(last->T_world_camera.inverse() * body.T_world_camera);
+  return toTwist(motion / secondsBetween(last->stamp, body.stamp));
+}
+
+void TrackingPublisher::publishKeyframes(const SparseStep& step, const SparseSlam& slam,
+                                         const std_msgs::Header& image) {
+  if (!step.first_keyframe && !step.keyframe) return;
+  KeyframePoseArray poses;
+  poses.header.stamp = image.stamp;
+  poses.header.frame_id = frames_.map_frame;
+  poses.map_id = map_id_;
+  for (KeyframePose& pose : slam.keyframePoses()) {
+    pose.T_world_camera = *T_map_world_ * pose.T_world_camera;
+    poses.keyframes.push_back(toRos(pose, frames_.map_frame, map_id_));
+    if (pose.keyframe == step.first_keyframe || pose.keyframe == step.keyframe) {
+      keyframe_.publish(poses.keyframes.back());
+    }
+  }
+  keyframe_poses_.publish(poses);
+  if (points_.getNumSubscribers() == 0) return;
+  std::vector<Eigen::Vector3d> points = slam.landmarkPositions();
+  for (Eigen::Vector3d& point : points) point = *T_map_world_ * point;
+  points_.publish(toRos(points, poses.header));
+}
+
+void TrackingPublisher::publishPath(const std_msgs::Header& image, const SparseSlam& slam) {
+  const Stamp now = fromRos(image.stamp);
+  if (now > last_path_ && secondsBetween(last_path_, now) < path_period_s_) return;
+  last_path_ = now;
+  if (path_.getNumSubscribers() == 0) return;
+  const std::vector<TimedPose> poses = trajectory(slam);
+  const std::size_t stride = 1 + poses.size() / kLongestPath;
+  nav_msgs::Path path;
+  path.header.stamp = image.stamp;
+  path.header.frame_id = frames_.map_frame;
+  for (std::size_t i = 0; i < poses.size(); i += stride) {
+    geometry_msgs::PoseStamped pose;
+    pose.header.stamp = toRos(poses[i].stamp);
+    pose.header.frame_id = frames_.map_frame;
+    pose.pose = toPose(poses[i].T_world_camera);
+    path.poses.push_back(pose);
+  }
+  path_.publish(path);
+}
+
+void TrackingPublisher::publishState(const std_msgs::Header& image, const SparseStep& step, const SparseSlam& slam,
+                                     const TrackedFrameReport& report) {
+  TrackingReport message;
+  message.header = image;
+  message.state = stateCode(step.tracking.state);
+  message.has_mask = report.has_mask;
+  message.is_keyframe = step.keyframe.has_value();
+  message.features = static_cast<std::uint32_t>(step.tracking.features);
+  message.inliers = static_cast<std::uint32_t>(step.tracking.inliers);
+  message.keyframes = static_cast<std::uint32_t>(slam.keyframeCount());
+  message.landmarks = static_cast<std::uint32_t>(slam.landmarkCount());
+  message.dynamic_share = static_cast<float>(report.dynamic_share);
+  message.cpu_ms = static_cast<float>(report.cpu_ms);
+  state_.publish(message);
+}
+
+std::vector<TimedPose> TrackingPublisher::trajectory(const SparseSlam& slam) const {
+  std::vector<TimedPose> poses = slam.trajectory();
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (!T_map_world_) return {};
+  for (TimedPose& pose : poses) pose.T_world_camera = *T_map_world_ * pose.T_world_camera;
+  return poses;
+}
+
+}  // namespace semantic_vslam

@@ -262,8 +262,9 @@ void MappingNodelet::onKeyframe(const KeyframeStampedConstPtr& message) {
 void MappingNodelet::onKeyframePoses(const KeyframePoseArrayConstPtr& message) {
   worker_->push([this, message] {
     if (message->map_id != map_id_) startMap(message->map_id);
+    const std::size_t rebuilds = mapper_->rebuilds();
     mapper_->updatePoses(fromRos(*message));
-    markChanged();
+    if (mapper_->rebuilds() != rebuilds) markChanged();
   });
 }
 

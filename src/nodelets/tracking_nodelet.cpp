@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
@@ -31,6 +32,7 @@ struct TrackingNodeletConfig {
   int mask_budget_ms = 60;
   double init_wait_s = 0.0;
   double path_period_s = 0.5;
+  std::string map_file = "map.slam";
   std::string trajectory_file = "trajectory.txt";
   RgbdInputConfig input;
   FramesConfig frames;
@@ -45,6 +47,7 @@ struct TrackingNodeletConfig {
     v.field("init_wait_s", init_wait_s, 0.0, 60.0,
             "s the start waits for the first labels, so that no person enters the first map; 0 where no network runs");
     v.field("path_period_s", path_period_s, 0.05, 60.0, "s between publications of the path");
+    v.text("map_file", map_file, "sparse map that ~save_map writes and ~load_map reads");
     v.text("trajectory_file", trajectory_file, "where ~save_trajectory writes, TUM format, optical frame in the map");
     v.group("input", input);
     v.group("frames", frames);
@@ -66,6 +69,7 @@ class TrackingNodelet final : public nodelet::Nodelet {
   void onMask(const sensor_msgs::ImageConstPtr& message);
   void onLabels(const sensor_msgs::ImageConstPtr& message);
   void report(StageDiagnostics::Status& status);
+  void dropMap();
 
   // Worker thread
   void step(const RgbdMessages& messages);
@@ -75,6 +79,7 @@ class TrackingNodelet final : public nodelet::Nodelet {
   TrackingNodeletConfig config_;
   std::optional<RgbdConverter> converter_;  // worker only
   StageTimes times_;
+  std::mutex step_mutex_;             // a frame and its publication are one with the map they belong to
   std::unique_ptr<SparseSlam> slam_;  // step() by the worker only
   std::unique_ptr<TrackingPublisher> publisher_;
   StampedBuffer<cv::Mat1b> masks_{30};
@@ -82,7 +87,7 @@ class TrackingNodelet final : public nodelet::Nodelet {
   std::optional<ros::SteadyTime> first_frame_time_;  // worker only
   std::atomic<TrackingState> state_{TrackingState::kInitialising};
   std::atomic<int> inliers_{0};
-  std::atomic<bool> paused_{false}, reset_requested_{false}, labels_seen_{false};
+  std::atomic<bool> paused_{false}, labels_seen_{false};
   std::atomic<std::int64_t> labels_in_masks_after_ns_{0};
   std::atomic<std::size_t> posed_{0}, lost_{0}, without_mask_{0}, skipped_with_motion_{0}, waited_for_labels_{0};
 
@@ -161,8 +166,18 @@ void TrackingNodelet::advertiseServices(ros::NodeHandle private_nh) {
     services_.push_back(private_nh.advertiseService<SetBool::Request, SetBool::Response>(name, callback));
   };
   add_trigger("reset", [this] {
-    reset_requested_ = true;
-    return std::string("map and trajectory are dropped before the next frame");
+    dropMap();
+    return std::string("map and trajectory are dropped");
+  });
+  add_trigger("save_map", [this] {
+    slam_->saveMap(config_.map_file);
+    return "map saved in " + config_.map_file;
+  });
+  add_trigger("load_map", [this] {
+    std::lock_guard<std::mutex> lock(step_mutex_);
+    slam_->loadMap(config_.map_file);
+    publisher_->startMap(TrackingPublisher::Anchor::kKeep);
+    return "map loaded from " + config_.map_file;
   });
   add_trigger("save_trajectory", [this] {
     const std::vector<TimedPose> poses = publisher_->trajectory(*slam_);
@@ -193,6 +208,7 @@ void TrackingNodelet::report(StageDiagnostics::Status& status) {
   status.add("inliers", inliers_.load());
   status.add("keyframes", slam_->keyframeCount());
   status.add("landmarks", slam_->landmarkCount());
+  status.add("loops closed", slam_->loopCount());
   status.add("frames with a pose", posed_.load());
   status.add("frames without", lost_.load());
   status.add("frames refused", converter_->refused());
@@ -206,6 +222,13 @@ void TrackingNodelet::report(StageDiagnostics::Status& status) {
   }
   times_.clear();
   if (state_ == TrackingState::kLost) status.mergeSummary(diagnostic_msgs::DiagnosticStatus::ERROR, "lost");
+}
+
+void TrackingNodelet::dropMap() {
+  std::lock_guard<std::mutex> lock(step_mutex_);
+  slam_->reset();
+  publisher_->startMap(TrackingPublisher::Anchor::kAtNextFrame);
+  state_ = TrackingState::kInitialising;
 }
 
 /// Whether the people of the first frames are known, or need not be waited for any longer.
@@ -236,14 +259,9 @@ void TrackingNodelet::step(const RgbdMessages& messages) {
   const Stamp stamp = fromRos(image.stamp);
   if (stamp < last_stamp_) {
     NODELET_WARN("stamps went back: map and trajectory are dropped");
-    reset_requested_ = true;
+    dropMap();
   }
   last_stamp_ = stamp;
-  if (reset_requested_.exchange(false)) {
-    slam_->reset();
-    publisher_->reset();
-    state_ = TrackingState::kInitialising;
-  }
   if (!readyToStart(stamp)) {
     ++waited_for_labels_;
     return;
@@ -259,6 +277,7 @@ void TrackingNodelet::step(const RgbdMessages& messages) {
   }
   if (mask.empty()) ++without_mask_;
 
+  std::lock_guard<std::mutex> lock(step_mutex_);
   const StageDiagnostics::Step timer(*diagnostics_, stamp);
   const SparseStep result = slam_->step(*frame, mask, times_);
   state_ = result.tracking.state;

@@ -7,6 +7,8 @@
 #include <semantic_vslam/KeyframeStamped.h>
 #include <semantic_vslam/TrackingReport.h>
 
+#include <utility>
+
 #include "semantic_vslam/ros/conversions.h"
 
 namespace semantic_vslam {
@@ -51,17 +53,17 @@ TrackingPublisher::TrackingPublisher(ros::NodeHandle nh, const FramesConfig& fra
   points_ = nh.advertise<sensor_msgs::PointCloud2>("tracking/points", 1);
 }
 
-void TrackingPublisher::reset() {
+void TrackingPublisher::startMap(Anchor anchor) {
   ++map_id_;
   last_body_pose_.reset();
-  {
+  if (anchor == Anchor::kAtNextFrame) {
     std::lock_guard<std::mutex> lock(mutex_);
     T_map_world_.reset();
   }
   KeyframePoseArray nothing;
   nothing.header.frame_id = frames_.map_frame;
   nothing.map_id = map_id_;
-  keyframe_poses_.publish(nothing);
+  publishKeyframePoses(nothing);
 }
 
 void TrackingPublisher::publish(const std_msgs::Header& image, const SE3& T_camera_body, const SparseStep& step,
@@ -72,7 +74,7 @@ void TrackingPublisher::publish(const std_msgs::Header& image, const SE3& T_came
     publishPose(image, T_camera_body, step.tracking);
   }
   publishKeyframes(step, slam, image);
-  publishPath(image, slam);
+  publishPaths(image, slam);
   publishState(image, step, slam, report);
 }
 
@@ -113,9 +115,7 @@ geometry_msgs::Twist TrackingPublisher::twistTo(const TimedPose& body) {
   return toTwist(motion / secondsBetween(last->stamp, body.stamp));
 }
 
-void TrackingPublisher::publishKeyframes(const SparseStep& step, const SparseSlam& slam,
-                                         const std_msgs::Header& image) {
-  if (!step.first_keyframe && !step.keyframe) return;
+KeyframePoseArray TrackingPublisher::keyframePoses(const SparseSlam& slam, const std_msgs::Header& image) const {
   KeyframePoseArray poses;
   poses.header.stamp = image.stamp;
   poses.header.frame_id = frames_.map_frame;
@@ -123,21 +123,37 @@ void TrackingPublisher::publishKeyframes(const SparseStep& step, const SparseSla
   for (KeyframePose& pose : slam.keyframePoses()) {
     pose.T_world_camera = *T_map_world_ * pose.T_world_camera;
     poses.keyframes.push_back(toRos(pose, frames_.map_frame, map_id_));
-    if (pose.keyframe == step.first_keyframe || pose.keyframe == step.keyframe) {
-      keyframe_.publish(poses.keyframes.back());
-    }
   }
+  return poses;
+}
+
+void TrackingPublisher::publishKeyframePoses(KeyframePoseArray poses) {
   keyframe_poses_.publish(poses);
+  last_keyframe_poses_ = std::move(poses);
+}
+
+void TrackingPublisher::publishKeyframes(const SparseStep& step, const SparseSlam& slam,
+                                         const std_msgs::Header& image) {
+  if (!step.first_keyframe && !step.keyframe) return;
+  const KeyframePoseArray poses = keyframePoses(slam, image);
+  for (const KeyframeStamped& keyframe : poses.keyframes) {
+    const KeyframeId id(keyframe.id);
+    if (id == step.first_keyframe || id == step.keyframe) keyframe_.publish(keyframe);
+  }
+  publishKeyframePoses(poses);
   if (points_.getNumSubscribers() == 0) return;
   std::vector<Eigen::Vector3d> points = slam.landmarkPositions();
   for (Eigen::Vector3d& point : points) point = *T_map_world_ * point;
   points_.publish(toRos(points, poses.header));
 }
 
-void TrackingPublisher::publishPath(const std_msgs::Header& image, const SparseSlam& slam) {
+void TrackingPublisher::publishPaths(const std_msgs::Header& image, const SparseSlam& slam) {
   const Stamp now = fromRos(image.stamp);
   if (now > last_path_ && secondsBetween(last_path_, now) < path_period_s_) return;
   last_path_ = now;
+  // Bundle adjustment and loops move keyframes long after they were published.
+  KeyframePoseArray keyframes = keyframePoses(slam, image);
+  if (keyframes.keyframes != last_keyframe_poses_.keyframes) publishKeyframePoses(std::move(keyframes));
   if (path_.getNumSubscribers() == 0) return;
   const std::vector<TimedPose> poses = trajectory(slam);
   const std::size_t stride = 1 + poses.size() / kLongestPath;

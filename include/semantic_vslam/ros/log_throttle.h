@@ -7,8 +7,8 @@
 
 namespace semantic_vslam {
 
-/// Lets a message pass when it differs from the last one, or that one is old. By the steady clock: simulated time, which
-/// ROS_WARN_THROTTLE goes by, stands still just when an input is missing. One thread.
+/// Lets a message pass when it differs from the last one, or that one is old. By the steady clock: simulated time,
+/// which ROS_WARN_THROTTLE goes by, stands still just when an input is missing. One thread.
 class LogThrottle {
  public:
   bool passes(const std::string& message) {

@@ -45,10 +45,10 @@ struct TrackedFrameReport {
 
 /// Publishes what tracking finds: tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points} and tf.
 /// Core poses, whose world is the first camera's optical frame, become poses in the map frame (z up) here and nowhere
-/// else. One thread publishes; trajectory() may be called by any.
+/// else. The caller serialises all calls but trajectory(), which any thread may make.
 class TrackingPublisher {
  public:
-  /// @param path_period_s  between publications of the path, in the images' time
+  /// @param path_period_s  between publications of the path and of moved keyframes, in the images' time
   /// @throws ConfigError, see TfPublisher
   TrackingPublisher(ros::NodeHandle nh, const FramesConfig& frames, const InitialPoseConfig& initial_pose,
                     double path_period_s);
@@ -59,8 +59,10 @@ class TrackingPublisher {
   /// Publishes a frame. The first one after a reset puts its body at the initial pose.
   void publish(const std_msgs::Header& image, const SE3& T_camera_body, const SparseStep& step, const SparseSlam& slam,
                const TrackedFrameReport& report);
-  /// The map was dropped: says so to whoever keeps its keyframes.
-  void reset();
+  /// Where the world of a new map lies: as that of the last one, or so that the next frame is at the initial pose.
+  enum class Anchor { kKeep, kAtNextFrame };
+  /// The map was dropped or another was loaded: says so to whoever keeps its keyframes. Not during publish().
+  void startMap(Anchor anchor);
 
   /// @return every frame's optical frame in the map.
   std::vector<TimedPose> trajectory(const SparseSlam& slam) const;
@@ -71,7 +73,9 @@ class TrackingPublisher {
   void publishPose(const std_msgs::Header& image, const SE3& T_camera_body, const TrackingResult& tracking);
   geometry_msgs::Twist twistTo(const TimedPose& body);
   void publishKeyframes(const SparseStep& step, const SparseSlam& slam, const std_msgs::Header& image);
-  void publishPath(const std_msgs::Header& image, const SparseSlam& slam);
+  void publishKeyframePoses(KeyframePoseArray poses);
+  KeyframePoseArray keyframePoses(const SparseSlam& slam, const std_msgs::Header& image) const;
+  void publishPaths(const std_msgs::Header& image, const SparseSlam& slam);
   void publishState(const std_msgs::Header& image, const SparseStep& step, const SparseSlam& slam,
                     const TrackedFrameReport& report);
 
@@ -83,6 +87,7 @@ class TrackingPublisher {
   mutable std::mutex mutex_;
   std::optional<SE3> T_map_world_;  // written by the publishing thread under mutex_; others read it so
   std::optional<TimedPose> last_body_pose_;
+  KeyframePoseArray last_keyframe_poses_;
   Stamp last_path_;
   ros::Publisher odometry_, pose_, path_, state_, keyframe_, keyframe_poses_, points_;
 };

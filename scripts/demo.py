@@ -201,24 +201,20 @@ class Observer:
 
     def __init__(self):
         import rospy
-        from rosgraph_msgs.msg import Clock
         from semantic_vslam.msg import TrackingReport
-        self.clock_s = self.state = None
+        self.state = None
         self.state_names = {getattr(TrackingReport, name): name
                             for name in ("INITIALISING", "OK", "RECENTLY_LOST", "LOST")}
-        rospy.Subscriber("/clock", Clock, self.on_clock, queue_size=1)
         rospy.Subscriber("/tracking/state", TrackingReport, self.on_state, queue_size=1)
-
-    def on_clock(self, message):
-        self.clock_s = message.clock.to_sec()
 
     def on_state(self, message):
         self.state = message
 
-    def progress(self):
+    def progress(self, recording):
         if not self.state:
             return "no frame tracked yet"
-        return (f"{self.state_names[self.state.state]}, {self.state.inliers} inliers, {self.state.keyframes} keyframes, "
+        played_s = self.state.header.stamp.to_sec() - recording.start_s
+        return (f"{played_s:5.1f} of {recording.duration_s:.1f} s: {self.state_names[self.state.state]}, {self.state.inliers} inliers, {self.state.keyframes} keyframes, "
                 f"{self.state.landmarks} landmarks")
 
 
@@ -338,9 +334,9 @@ def play(bag, recording, processes, observer):
     last_report = 0.0
     while player.poll() is None:
         time.sleep(0.1)
-        if time.monotonic() - last_report > 2.0 and observer.clock_s:
+        if time.monotonic() - last_report > 2.0:
             last_report = time.monotonic()
-            say(f"{observer.clock_s - recording.start_s:5.1f} of {recording.duration_s:.1f} s: {observer.progress()}")
+            say(observer.progress(recording))
         for name, process in processes.running:
             if name != "rosbag_play" and process.poll() is not None:
                 processes.check()

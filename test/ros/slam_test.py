@@ -1,0 +1,268 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Plays a small rendered recording with walking people through the running system and checks what comes out."""
+import os
+import subprocess
+import time
+import unittest
+
+import cv2
+import numpy
+import rosbag
+import rospkg
+import rospy
+import sensor_msgs.point_cloud2
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from nav_msgs.msg import OccupancyGrid
+from octomap_msgs.msg import Octomap
+from programs import program
+from semantic_vslam.msg import KeyframePoseArray, KeyframeStamped, TrackingReport
+from sensor_msgs.msg import Image, PointCloud2
+from std_srvs.srv import SetBool, Trigger
+from tf import transformations
+from tf2_msgs.msg import TFMessage
+
+CAMERA_FRAME = "openni_rgb_optical_frame"
+IMAGE_TOPIC, DEPTH_TOPIC = "/camera/rgb/image_color", "/camera/depth/image"
+
+
+def matrix(translation, rotation):
+    """Pose as a 4 x 4 matrix."""
+    out = transformations.quaternion_matrix([rotation.x, rotation.y, rotation.z, rotation.w])
+    out[:3, 3] = [translation.x, translation.y, translation.z]
+    return out
+
+
+def wait_until(condition, timeout_s, what):
+    deadline = time.monotonic() + timeout_s
+    while not condition():
+        if rospy.is_shutdown() or time.monotonic() > deadline:
+            raise AssertionError(f"{what} did not happen within {timeout_s} s")
+        time.sleep(0.1)
+
+
+def rendered_bag():
+    """Four seconds of a room with walking people; kept until the program that renders it is newer."""
+    renderer = program("make_synthetic_bag")
+    path = os.path.join(rospkg.get_ros_home(), "semantic_vslam_test_room.bag")
+    if not os.path.isfile(path) or os.path.getmtime(path) < os.path.getmtime(renderer):
+        subprocess.check_call([renderer, "--out", path, "--size", "320x240", "--seconds", "4"])
+    return path
+
+
+class Recording:
+    """The rendered bag and what is true in it."""
+
+    def __init__(self, path):
+        self.path = path
+        self.poses = {}  # stamp in ns -> T_world_camera
+        self.stamps, self.depth_m, self.masks = [], {}, {}
+        with rosbag.Bag(path) as bag:
+            for topic, message, _ in bag.read_messages():
+                if topic == "/groundtruth/pose":
+                    pose = matrix(message.pose.position, message.pose.orientation)
+                    self.poses[message.header.stamp.to_nsec()] = pose
+                elif topic == IMAGE_TOPIC:
+                    self.stamps.append(message.header.stamp.to_nsec())
+                elif topic == DEPTH_TOPIC:
+                    depth = numpy.frombuffer(message.data, numpy.float32).reshape(message.height, message.width)
+                    self.depth_m[message.header.stamp.to_nsec()] = numpy.nan_to_num(depth)
+                elif topic == "/groundtruth/mask":
+                    self.masks[message.header.stamp.to_nsec()] = self.pixels(message) >= 128
+                elif topic == "/camera/rgb/camera_info":
+                    self.K = numpy.array(message.K).reshape(3, 3)
+
+    @staticmethod
+    def pixels(message):
+        return numpy.frombuffer(message.data, numpy.uint8).reshape(message.height, message.width)
+
+
+class Listener:
+    def __init__(self):
+        self.states, self.poses, self.transforms, self.masks = [], {}, {}, {}
+        self.keyframes, self.newest = [], {}
+        self.subscribers = [
+            rospy.Subscriber("tracking/state", TrackingReport, self.states.append, queue_size=500),
+            rospy.Subscriber("tracking/pose", PoseWithCovarianceStamped, self.on_pose, queue_size=500),
+            rospy.Subscriber("tracking/keyframe", KeyframeStamped, self.keyframes.append, queue_size=500),
+            rospy.Subscriber("motion/mask", Image, self.on_mask, queue_size=500),
+            rospy.Subscriber("/tf", TFMessage, self.on_tf, queue_size=500)]
+        for topic, kind in (("tracking/keyframe_poses", KeyframePoseArray), ("mapping/semantic_cloud", PointCloud2),
+                            ("mapping/octomap_binary", Octomap), ("mapping/octomap_full", Octomap),
+                            ("mapping/projected_map", OccupancyGrid)):
+            self.subscribers.append(rospy.Subscriber(topic, kind, self.keep, callback_args=topic, queue_size=1))
+
+    def keep(self, message, topic):
+        self.newest[topic] = message
+
+    def on_pose(self, message):
+        pose = message.pose.pose
+        self.poses[message.header.stamp.to_nsec()] = matrix(pose.position, pose.orientation)
+
+    def on_mask(self, message):
+        self.masks[message.header.stamp.to_nsec()] = (message.header.frame_id, Recording.pixels(message) >= 128)
+
+    def on_tf(self, message):
+        for edge in message.transforms:
+            if edge.header.frame_id == "map":
+                pose = matrix(edge.transform.translation, edge.transform.rotation)
+                self.transforms[edge.header.stamp.to_nsec()] = (edge.child_frame_id, pose)
+
+
+def play(path, *options):
+    """Plays to the end, at half the speed: what is tested is the result, not this machine."""
+    subprocess.check_call(["rosbag", "play", "--clock", "--quiet", "--rate", "0.5", *options, path,
+                           "--topics", IMAGE_TOPIC, DEPTH_TOPIC, "/camera/rgb/camera_info"])
+
+
+def aligned_error_m(estimate, truth):
+    """Absolute trajectory error after the best rigid alignment (Horn), RMSE. @param estimate, truth N x 3"""
+    a, b = estimate - estimate.mean(0), truth - truth.mean(0)
+    u, _, vt = numpy.linalg.svd(b.T @ a)
+    flip = numpy.diag([1, 1, numpy.sign(numpy.linalg.det(u @ vt))])
+    return numpy.sqrt((((u @ flip @ vt @ a.T).T - b) ** 2).sum(1).mean())
+
+
+class SlamTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("slam_test")
+        cls.recording = Recording(rendered_bag())
+        cls.seen = Listener()
+        for service in ("/slam_tracking/save_trajectory", "/slam_mapping/save"):
+            rospy.wait_for_service(service, 60)
+        processes = 4 if rospy.get_param("~nodes", False) else 1
+        master = rospy.get_master()
+
+        def ready():
+            subscribed = dict(master.getSystemState()[2][1])
+            # The segmentation stage is idle without a network and takes no images.
+            return all(len(subscribed.get(topic, [])) >= min(processes, 3) for topic in (IMAGE_TOPIC, DEPTH_TOPIC))
+
+        wait_until(ready, 60, "the subscription of the stages to the images")
+        play(cls.recording.path)
+        wait_until(lambda: len(cls.seen.states) >= 0.9 * len(cls.recording.stamps), 60, "tracking of the recording")
+        wait_until(lambda: "mapping/semantic_cloud" in cls.seen.newest, 30, "a semantic cloud")
+        time.sleep(3.0)  # the last keyframe on its way into the map
+
+    def test_1_almost_every_frame_has_a_pose_near_the_truth(self):
+        posed = sorted(self.seen.poses.keys() & self.recording.poses.keys())
+        self.assertGreaterEqual(len(posed), 0.9 * len(self.recording.stamps))
+        estimate = numpy.array([self.seen.poses[stamp][:3, 3] for stamp in posed])
+        truth = numpy.array([self.recording.poses[stamp][:3, 3] for stamp in posed])
+        self.assertLess(aligned_error_m(estimate, truth), 0.03)
+
+    def test_2_first_camera_is_level_and_at_the_initial_pose(self):
+        first = self.seen.poses[min(self.seen.poses)]
+        self.assertLess(numpy.linalg.norm(first[:3, 3] - [0, 0, 1.2]), 0.1)
+        forward = first[:3, 2]
+        self.assertGreater(forward[0], 0.98)
+
+    def test_3_tf_has_the_pose_of_every_posed_frame(self):
+        self.assertGreaterEqual(len(self.seen.transforms.keys() & self.seen.poses.keys()), len(self.seen.poses) - 1)
+        for stamp, (child, pose) in self.seen.transforms.items():
+            self.assertEqual(child, CAMERA_FRAME)
+            if stamp in self.seen.poses:
+                numpy.testing.assert_allclose(pose, self.seen.poses[stamp], atol=1e-9)
+
+    def test_4_masks_have_the_stamps_of_images_and_cover_what_moves(self):
+        self.assertGreaterEqual(len(self.seen.masks), 0.9 * len(self.recording.stamps))
+        self.assertTrue(self.seen.masks.keys() <= set(self.recording.stamps))
+        intersection = union = 0
+        for stamp, (frame_id, mask) in self.seen.masks.items():
+            self.assertEqual(frame_id.lstrip("/"), CAMERA_FRAME)
+            truth = self.recording.masks[stamp]
+            intersection += numpy.count_nonzero(mask & truth)
+            union += numpy.count_nonzero(mask | truth)
+        self.assertGreater(intersection / union, 0.3)
+
+    def test_5_tracking_used_the_masks(self):
+        with_mask = sum(1 for state in self.seen.states if state.has_mask)
+        self.assertGreaterEqual(with_mask, 0.8 * len(self.seen.states))
+
+    def test_6_cloud_holds_the_room(self):
+        points = self.cloud()
+        self.assertGreater(len(points), 2000)
+        fields = {field.name for field in self.seen.newest["mapping/semantic_cloud"].fields}
+        self.assertEqual(fields, {"x", "y", "z", "rgb", "label"})
+
+    def test_7_no_point_is_where_people_walked(self):
+        """A person left in the map would stand in space that the camera sees free before or after."""
+        points = self.cloud()
+        stamps = sorted(self.seen.poses.keys() & self.recording.depth_m.keys())
+        violations = numpy.zeros(len(points), bool)
+        for stamp in stamps[::5]:
+            violations |= self.seen_through(points, self.seen.poses[stamp], self.recording.depth_m[stamp])
+        self.assertLess(violations.mean(), 0.02)
+
+    def seen_through(self, points, pose, depth_m):
+        """Points that lie at least 0.2 m before everything the camera measured round their pixel."""
+        camera = (points - pose[:3, 3]) @ pose[:3, :3]
+        with numpy.errstate(divide="ignore", invalid="ignore"):
+            pixel = camera @ self.recording.K.T
+            u, v = numpy.rint(pixel[:, 0] / camera[:, 2]), numpy.rint(pixel[:, 1] / camera[:, 2])
+        height, width = depth_m.shape
+        inside = (camera[:, 2] > 0.3) & (u >= 0) & (v >= 0) & (u < width) & (v < height)
+        # Holes count as near: nothing is known there. Neighbours count, so that pose errors at edges do not.
+        near = cv2.erode(depth_m, numpy.ones((7, 7)))
+        out = numpy.zeros(len(points), bool)
+        out[inside] = near[v[inside].astype(int), u[inside].astype(int)] > camera[inside, 2] + 0.2
+        return out
+
+    def cloud(self):
+        message = self.seen.newest["mapping/semantic_cloud"]
+        self.assertEqual(message.header.frame_id, "map")
+        points = sensor_msgs.point_cloud2.read_points(message, ("x", "y", "z"))
+        return numpy.array(list(points), numpy.float64).reshape(-1, 3)
+
+    def test_8_octomap_and_grid_are_published(self):
+        binary, full = self.seen.newest["mapping/octomap_binary"], self.seen.newest["mapping/octomap_full"]
+        self.assertTrue(binary.binary)
+        self.assertEqual((binary.id, full.id), ("OcTree", "ColorOcTree"))
+        self.assertGreater(len(binary.data), 100)
+        self.assertGreater(len(full.data), len(binary.data))
+        grid = self.seen.newest["mapping/projected_map"]
+        cells = numpy.array(grid.data)
+        self.assertEqual(len(cells), grid.info.width * grid.info.height)
+        self.assertGreater(numpy.count_nonzero(cells == 100), 10)
+
+    def test_9_services(self):
+        """Last: it changes what the others look at."""
+        self.check_saving()
+        self.check_pause()
+        self.check_reset()
+
+    def check_saving(self):
+        for name in ("/slam_tracking/save_trajectory", "/slam_mapping/save"):
+            answer = rospy.ServiceProxy(name, Trigger)()
+            self.assertTrue(answer.success, answer.message)
+        folder = rospkg.get_ros_home()  # where roslaunch runs the nodes
+        poses = numpy.loadtxt(os.path.join(folder, "trajectory.txt"))
+        self.assertEqual(poses.shape[1], 8)
+        self.assertGreaterEqual(len(poses), 0.9 * len(self.recording.stamps))
+        for name in ("cloud.pcd", "map.ot"):
+            self.assertGreater(os.path.getsize(os.path.join(folder, name)), 1000)
+
+    def check_pause(self):
+        """Also shows that stamps that go back are taken for a new recording."""
+        self.assertTrue(rospy.ServiceProxy("/slam_tracking/pause", SetBool)(True).success)
+        before = len(self.seen.states)
+        play(self.recording.path, "--duration", "1")
+        self.assertEqual(len(self.seen.states), before)
+        self.assertTrue(rospy.ServiceProxy("/slam_tracking/pause", SetBool)(False).success)
+        map_id = self.seen.newest["tracking/keyframe_poses"].map_id
+        play(self.recording.path, "--duration", "2")
+        wait_until(lambda: self.seen.newest["tracking/keyframe_poses"].map_id != map_id, 20, "a new map")
+        wait_until(lambda: self.seen.states[-1].state == TrackingReport.OK, 20, "tracking in the new map")
+
+    def check_reset(self):
+        map_id = self.seen.newest["tracking/keyframe_poses"].map_id
+        self.assertTrue(rospy.ServiceProxy("/slam_tracking/reset", Trigger)().success)
+        play(self.recording.path, "--start", "2", "--duration", "1")
+        wait_until(lambda: self.seen.newest["tracking/keyframe_poses"].map_id != map_id, 20, "a new map after reset")
+
+
+if __name__ == "__main__":
+    import rostest
+    rostest.rosrun("semantic_vslam", "slam_test", SlamTest)

@@ -56,7 +56,8 @@ StageDiagnostics::StageDiagnostics(ros::NodeHandle nh, ros::NodeHandle private_n
 void StageDiagnostics::start(ros::NodeHandle nh, Sources sources) {
   sources_ = std::move(sources);
   // By the steady clock: with a simulated one that stands still, update() would say nothing.
-  timer_ = nh.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { updater_.force_update(); });
+  timer_ =
+      nh.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { updater_.force_update(); });
 }
 
 void StageDiagnostics::record(Stamp stamp, double wall_ms, double cpu_ms) {

@@ -6,7 +6,6 @@
 #include <semantic_vslam/KeyframePoseArray.h>
 #include <semantic_vslam/KeyframeStamped.h>
 #include <semantic_vslam/LabelInfo.h>
-#include <std_srvs/Trigger.h>
 
 #include <atomic>
 #include <chrono>
@@ -29,6 +28,7 @@
 #include "semantic_vslam/ros/parameters.h"
 #include "semantic_vslam/ros/rgbd_converter.h"
 #include "semantic_vslam/ros/rgbd_subscriber.h"
+#include "semantic_vslam/ros/services.h"
 #include "semantic_vslam/ros/stage_diagnostics.h"
 #include "semantic_vslam/ros/stamped_buffer.h"
 #include "semantic_vslam/ros/worker.h"
@@ -84,7 +84,6 @@ class MappingNodelet final : public nodelet::Nodelet {
 
  private:
   using Task = std::function<void()>;
-  using Service = std_srvs::Trigger;
   struct Output {
     ros::Publisher publisher;
     bool changed;  ///< the map is newer than what was published
@@ -100,11 +99,11 @@ class MappingNodelet final : public nodelet::Nodelet {
   void onKeyframePoses(const KeyframePoseArrayConstPtr& message);
   void onLabelInfo(const LabelInfoConstPtr& message);
   void onTimer();
-  bool answer(Service::Response& response, const std::string& success, const Task& task);
+  void runOnWorker(const Task& task);
 
   // Worker thread
   void integrate(const KeyframeStamped& keyframe, std::optional<RgbdMessages> messages);
-  cv::Mat1b dynamicMask(Stamp stamp, const cv::Mat1b& labels);
+  cv::Mat1b withMovingObjects(const cv::Mat1b& mask, const cv::Mat1b& labels) const;
   void startMap(std::uint32_t map_id);
   void markChanged();
   void publishMaps();
@@ -119,20 +118,22 @@ class MappingNodelet final : public nodelet::Nodelet {
   std::unique_ptr<StampedBuffer<RgbdMessages>> frames_;
   StampedBuffer<cv::Mat1b> masks_{90};  // 3 s: longer than labels let a keyframe wait
   StampedBuffer<cv::Mat1b> labels_{10};
-  std::atomic<bool> publication_due_{false};
+  std::atomic<bool> publication_due_{false}, motion_watched_{false};
   std::atomic<std::size_t> images_missing_{0}, masks_missing_{0}, labels_missing_{0}, keyframes_{0}, voxels_{0};
 
   std::unique_ptr<StageDiagnostics> diagnostics_;
   std::unique_ptr<Worker<Task>> worker_;
+  ros::Subscriber mask_subscriber_;
   std::vector<ros::Subscriber> subscribers_;
-  std::vector<ros::ServiceServer> services_;
+  Services services_;
   ros::SteadyTimer publish_timer_;
   std::unique_ptr<RgbdSubscriber> input_;
 };
 
 MappingNodelet::~MappingNodelet() {
+  mask_subscriber_.shutdown();
   for (ros::Subscriber& subscriber : subscribers_) subscriber.shutdown();
-  for (ros::ServiceServer& service : services_) service.shutdown();
+  services_.shutdown();
   publish_timer_.stop();
   if (diagnostics_) diagnostics_->stop();
   input_.reset();
@@ -159,7 +160,8 @@ void MappingNodelet::start() {
   mapper_.emplace(config_.dense, label_set_);
   frames_ = std::make_unique<StampedBuffer<RgbdMessages>>(config_.kept_frames);
   diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "mapping", config_.budget_ms);
-  worker_ = std::make_unique<Worker<Task>>(64, QueuePolicy::kBlock, [](const Task& task) { task(); });
+  worker_ = std::make_unique<Worker<Task>>(
+      64, QueuePolicy::kBlock, [](const Task& task) { task(); }, WorkerPriority::kKeyframes);
   advertise(nh);
   subscribe(nh);
   diagnostics_->start(nh, {[this] { return input_->missing(); }, [this] { return worker_->counters(); },
@@ -188,15 +190,14 @@ void MappingNodelet::advertise(ros::NodeHandle nh) {
 
   // Services wait for the worker: they get threads of their own, so that images still come in meanwhile.
   ros::NodeHandle service_nh(getMTPrivateNodeHandle());
-  const auto add = [&](const char* name, const std::string& success, const Task& task) {
-    const boost::function<bool(Service::Request&, Service::Response&)> callback =
-        [this, success, task](Service::Request&, Service::Response& response) {
-          return answer(response, success, task);
-        };
-    services_.push_back(service_nh.advertiseService<Service::Request, Service::Response>(name, callback));
-  };
-  add("clear", "the dense map is empty", [this] { startMap(map_id_); });
-  add("save", "cloud.pcd and map.ot saved in " + config_.output_directory, [this] { save(); });
+  services_.addTrigger(service_nh, "clear", [this] {
+    runOnWorker([this] { startMap(map_id_); });
+    return std::string("the dense map is empty");
+  });
+  services_.addTrigger(service_nh, "save", [this] {
+    runOnWorker([this] { save(); });
+    return "cloud.pcd and map.ot saved in " + config_.output_directory;
+  });
 }
 
 void MappingNodelet::subscribe(ros::NodeHandle nh) {
@@ -212,7 +213,7 @@ void MappingNodelet::subscribe(ros::NodeHandle nh) {
           }
         });
   };
-  subscribers_.push_back(nh.subscribe<sensor_msgs::Image>("motion/mask", 10, keep(masks_)));
+  mask_subscriber_ = nh.subscribe<sensor_msgs::Image>("motion/mask", 10, keep(masks_));
   subscribers_.push_back(nh.subscribe<sensor_msgs::Image>("segmentation/labels", 5, keep(labels_)));
   // Keyframes block when the worker is behind, on a thread of their own.
   subscribers_.push_back(getMTNodeHandle().subscribe("tracking/keyframe", 50, &MappingNodelet::onKeyframe, this));
@@ -232,7 +233,8 @@ void MappingNodelet::report(StageDiagnostics::Status& status) {
   status.add("keyframes without labels", labels_missing_.load());
 }
 
-bool MappingNodelet::answer(Service::Response& response, const std::string& success, const Task& task) {
+/// Waits until the worker has done it; what it throws is thrown here.
+void MappingNodelet::runOnWorker(const Task& task) {
   std::promise<void> done;
   worker_->push([&] {
     try {
@@ -242,15 +244,7 @@ bool MappingNodelet::answer(Service::Response& response, const std::string& succ
       done.set_exception(std::current_exception());
     }
   });
-  try {
-    done.get_future().get();
-    response.success = true;
-    response.message = success;
-  } catch (const Error& error) {
-    response.message = error.what();
-    NODELET_ERROR("%s", error.what());
-  }
-  return true;
+  done.get_future().get();
 }
 
 void MappingNodelet::onKeyframe(const KeyframeStampedConstPtr& message) {
@@ -277,17 +271,12 @@ void MappingNodelet::onLabelInfo(const LabelInfoConstPtr& message) {
 }
 
 void MappingNodelet::onTimer() {
+  motion_watched_ = mask_subscriber_.getNumPublishers() > 0;
   if (publication_due_.exchange(true)) return;  // the last one still waits for the worker
   worker_->push([this] {
     publication_due_ = false;
     publishMaps();
   });
-}
-
-void MappingNodelet::startMap(std::uint32_t map_id) {
-  map_id_ = map_id;
-  mapper_.emplace(config_.dense, label_set_);
-  markChanged();
 }
 
 void MappingNodelet::integrate(const KeyframeStamped& keyframe, std::optional<RgbdMessages> messages) {
@@ -302,25 +291,32 @@ void MappingNodelet::integrate(const KeyframeStamped& keyframe, std::optional<Rg
   const auto labels = labels_.waitFor(stamp, milliseconds(config_.labels_wait_s));
   if (config_.labels_wait_s > 0 && !labels) ++labels_missing_;
 
+  const auto mask = masks_.waitFor(stamp, milliseconds(motion_watched_ ? config_.mask_wait_s : 0.0));
+  if (!mask) ++masks_missing_;
+  if (!mask && !labels && motion_watched_) return;  // nobody can say where people are in it: it stays out of the map
+
   const StageDiagnostics::Step timer(*diagnostics_, stamp);
   const std::optional<RgbdFrame> frame = converter_->convert(*messages);
   if (!frame) return;
   if (keyframe.map_id != map_id_) startMap(keyframe.map_id);
   const cv::Mat1b label_image = labels.value_or(cv::Mat1b());
-  mapper_->add(KeyframeId(keyframe.id), *frame, label_image, dynamicMask(stamp, label_image), fromRos(keyframe.pose));
+  const cv::Mat1b dynamic = withMovingObjects(mask.value_or(cv::Mat1b()), label_image);
+  mapper_->add(KeyframeId(keyframe.id), *frame, label_image, dynamic, fromRos(keyframe.pose));
   markChanged();
 }
 
 /// Motion as the mask has it, and what eq. (5) removes as a whole: all of a movable object of which enough moves.
-cv::Mat1b MappingNodelet::dynamicMask(Stamp stamp, const cv::Mat1b& labels) {
-  const std::chrono::milliseconds wait(std::lround(config_.mask_wait_s * 1e3));
-  cv::Mat1b dynamic = masks_.waitFor(stamp, wait).value_or(cv::Mat1b());
-  if (dynamic.empty()) ++masks_missing_;
-  if (labels.empty() || (!dynamic.empty() && dynamic.size() != labels.size())) return dynamic;
+cv::Mat1b MappingNodelet::withMovingObjects(const cv::Mat1b& mask, const cv::Mat1b& labels) const {
+  if (labels.empty() || (!mask.empty() && mask.size() != labels.size())) return mask;
   cv::Mat1b removed;
-  decideDynamic(labels, label_set_, dynamic, config_.segmentation.phi, &removed);
-  if (!dynamic.empty()) removed = cv::max(removed, dynamic);
-  return removed;
+  decideDynamic(labels, label_set_, mask, config_.segmentation.phi, &removed);
+  return mask.empty() ? removed : cv::Mat1b(cv::max(removed, mask));
+}
+
+void MappingNodelet::startMap(std::uint32_t map_id) {
+  map_id_ = map_id;
+  mapper_.emplace(config_.dense, label_set_);
+  markChanged();
 }
 
 void MappingNodelet::markChanged() {

@@ -118,7 +118,8 @@ void SegmentationNodelet::start() {
   info_publisher_.publish(toRos(stage_->labels()));
 
   diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "segmentation", config_.budget_ms);
-  worker_ = std::make_unique<Worker<Stamp>>(1, QueuePolicy::kDropOldest, [this](Stamp stamp) { step(stamp); });
+  worker_ = std::make_unique<Worker<Stamp>>(
+      1, QueuePolicy::kDropOldest, [this](Stamp stamp) { step(stamp); }, WorkerPriority::kKeyframes);
   keyframe_subscriber_ = nh.subscribe("tracking/keyframe", 10, &SegmentationNodelet::onKeyframe, this);
   input_ =
       std::make_unique<RgbdSubscriber>(nh, config_.input, [this](const RgbdMessages& messages) { onPair(messages); });

@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nodelet/nodelet.h>
-#include <std_srvs/SetBool.h>
-#include <std_srvs/Trigger.h>
 
 #include <atomic>
 #include <chrono>
@@ -20,6 +18,7 @@
 #include "semantic_vslam/ros/parameters.h"
 #include "semantic_vslam/ros/rgbd_converter.h"
 #include "semantic_vslam/ros/rgbd_subscriber.h"
+#include "semantic_vslam/ros/services.h"
 #include "semantic_vslam/ros/stage_diagnostics.h"
 #include "semantic_vslam/ros/stamped_buffer.h"
 #include "semantic_vslam/ros/tracking_publisher.h"
@@ -94,14 +93,14 @@ class TrackingNodelet final : public nodelet::Nodelet {
   std::unique_ptr<StageDiagnostics> diagnostics_;
   std::unique_ptr<Worker<RgbdMessages>> worker_;
   ros::Subscriber mask_subscriber_, labels_subscriber_;
-  std::vector<ros::ServiceServer> services_;
+  Services services_;
   std::unique_ptr<RgbdSubscriber> input_;
 };
 
 TrackingNodelet::~TrackingNodelet() {
   mask_subscriber_.shutdown();
   labels_subscriber_.shutdown();
-  for (ros::ServiceServer& service : services_) service.shutdown();
+  services_.shutdown();
   if (diagnostics_) diagnostics_->stop();
   input_.reset();
   masks_.close();
@@ -140,52 +139,27 @@ void TrackingNodelet::start() {
 }
 
 void TrackingNodelet::advertiseServices(ros::NodeHandle private_nh) {
-  using std_srvs::SetBool;
-  using std_srvs::Trigger;
-  const auto add_trigger = [&](const char* name, const boost::function<std::string()>& action) {
-    const boost::function<bool(Trigger::Request&, Trigger::Response&)> callback =
-        [this, action](Trigger::Request&, Trigger::Response& response) {
-          try {
-            response.message = action();
-            response.success = true;
-          } catch (const Error& error) {
-            response.message = error.what();
-            NODELET_ERROR("%s", error.what());
-          }
-          return true;
-        };
-    services_.push_back(private_nh.advertiseService<Trigger::Request, Trigger::Response>(name, callback));
-  };
-  const auto add_switch = [&](const char* name, const boost::function<void(bool)>& action) {
-    const boost::function<bool(SetBool::Request&, SetBool::Response&)> callback =
-        [action](SetBool::Request& request, SetBool::Response& response) {
-          action(request.data);
-          response.success = true;
-          return true;
-        };
-    services_.push_back(private_nh.advertiseService<SetBool::Request, SetBool::Response>(name, callback));
-  };
-  add_trigger("reset", [this] {
+  services_.addTrigger(private_nh, "reset", [this] {
     dropMap();
     return std::string("map and trajectory are dropped");
   });
-  add_trigger("save_map", [this] {
+  services_.addTrigger(private_nh, "save_map", [this] {
     slam_->saveMap(config_.map_file);
     return "map saved in " + config_.map_file;
   });
-  add_trigger("load_map", [this] {
+  services_.addTrigger(private_nh, "load_map", [this] {
     std::lock_guard<std::mutex> lock(step_mutex_);
     slam_->loadMap(config_.map_file);
     publisher_->startMap(TrackingPublisher::Anchor::kKeep);
     return "map loaded from " + config_.map_file;
   });
-  add_trigger("save_trajectory", [this] {
+  services_.addTrigger(private_nh, "save_trajectory", [this] {
     const std::vector<TimedPose> poses = publisher_->trajectory(*slam_);
     writeTumTrajectory(config_.trajectory_file, poses);
     return std::to_string(poses.size()) + " poses saved in " + config_.trajectory_file;
   });
-  add_switch("pause", [this](bool on) { paused_ = on; });
-  add_switch("localization_only", [this](bool on) { slam_->setLocalizationOnly(on); });
+  services_.addSwitch(private_nh, "pause", [this](bool on) { paused_ = on; });
+  services_.addSwitch(private_nh, "localization_only", [this](bool on) { slam_->setLocalizationOnly(on); });
 }
 
 void TrackingNodelet::onMask(const sensor_msgs::ImageConstPtr& message) {

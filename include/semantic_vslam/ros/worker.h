@@ -11,6 +11,12 @@
 
 namespace semantic_vslam {
 
+/// kKeyframes: work that may take its time gives way to what every frame waits for, where cores are few.
+enum class WorkerPriority { kFrames, kKeyframes };
+
+/// Lowers the priority of the calling thread to that of keyframe work.
+void yieldToFrames();
+
 /// One thread that works off a bounded queue, so that callbacks return at once. Dropped items are counted.
 template <class T>
 class Worker {
@@ -18,8 +24,8 @@ class Worker {
   using Handler = std::function<void(T)>;
 
   /// Starts at once: construct it after everything that the handler uses.
-  Worker(std::size_t capacity, QueuePolicy policy, Handler handler)
-      : queue_(capacity, policy), handler_(std::move(handler)), thread_([this] { run(); }) {}
+  Worker(std::size_t capacity, QueuePolicy policy, Handler handler, WorkerPriority priority = WorkerPriority::kFrames)
+      : queue_(capacity, policy), handler_(std::move(handler)), thread_([this, priority] { run(priority); }) {}
 
   /// Drops what waits, finishes what runs.
   ~Worker() {
@@ -35,7 +41,8 @@ class Worker {
   QueueCounters counters() const { return queue_.counters(); }
 
  private:
-  void run() {
+  void run(WorkerPriority priority) {
+    if (priority == WorkerPriority::kKeyframes) yieldToFrames();
     while (std::optional<T> item = queue_.pop()) handler_(std::move(*item));
   }
 

@@ -7,6 +7,7 @@ Leaves in out/demo/: trajectory.txt, groundtruth.txt, cloud.pcd, map.ot, traject
 """
 import argparse
 import json
+import math
 import os
 import shutil
 import signal
@@ -190,6 +191,18 @@ def pose_of_chain(transforms):
         yield edge.header.stamp, list(pose[:3, 3]) + list(transformations.quaternion_from_matrix(pose))
 
 
+def initial_pose(truth):
+    """Height and tilt of the first true pose, so that the map is level; where it lies in the room is left open."""
+    if not truth:
+        return "{}"
+    from tf import transformations
+    values = truth[0][1]
+    optical_in_body = transformations.euler_matrix(-math.pi / 2, 0, -math.pi / 2)
+    body = transformations.quaternion_matrix(values[3:]) @ optical_in_body.T
+    roll, pitch, _ = transformations.euler_from_matrix(body)
+    return f"{{z: {values[2]:.4f}, roll: {roll:.4f}, pitch: {pitch:.4f}}}"
+
+
 def write_trajectory(path, poses):
     with open(path, "w") as file:
         for stamp, values in poses:
@@ -318,11 +331,11 @@ def subscribers(topic):
     return dict(rosgraph.Master("/demo").getSystemState()[1]).get(topic, [])
 
 
-def launch_slam(options, processes, display):
+def launch_slam(options, recording, processes, display):
     slam = ["roslaunch", "--wait", "semantic_vslam", "slam.launch", "rgb:=/camera/rgb/image_color",
             "depth:=/camera/depth/image", "info:=/camera/rgb/camera_info", "rectified:=false", "rviz:=true",
             "output:=" + options.out, "nodelets:=" + ("false" if options.nodes else "true"), "queue_size:=10",
-            "initial_pose:={z: 1.2}"]
+            "initial_pose:=" + initial_pose(recording.truth)]
     for name, value in (("camera_file", options.camera), ("model", options.model), ("config", options.config)):
         if value:
             slam.append(f"{name}:={os.path.abspath(value)}")
@@ -426,7 +439,7 @@ def run(options, processes):
     say("starting the nodelets and rviz")
     results = os.path.join(processes.log_dir, "results.bag")
     processes.start("rosbag_record", ["rosbag", "record", "-q", "-O", results, *Results.TOPICS])
-    launch_slam(options, processes, display)
+    launch_slam(options, recording, processes, display)
     wait_until(lambda: all(len(subscribers(topic)) >= (3 if options.nodes else 1) for topic in CAMERA_TOPICS[:2])
                and "/rviz" in subscribers("/mapping/semantic_cloud"), processes, 90, "the start of the nodelets and rviz")
     time.sleep(5.0)  # rviz has subscribed, but its software rendering needs a moment to draw the first time

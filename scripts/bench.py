@@ -3,7 +3,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs run_offline over TUM sequences and prints accuracy and CPU time per stage as one table; behind `./run bench`.
 
-Leaves the table in out/bench/bench.txt, the numbers in out/bench/bench.json, and each run's output beside them.
+Leaves the table in out/bench/bench.txt, the numbers in out/bench/bench.json, and each run's output beside them; a part
+that is asked for by its option (see --help) likewise in files of its name.
 """
 import argparse
 import csv
@@ -14,10 +15,14 @@ import statistics
 import subprocess
 import sys
 
+import bench_motion
+
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 PROGRAMS = os.path.join(ROOT, "build", "release", "devel", "lib", "semantic_vslam")
 DATA = os.path.join(os.environ.get("SEMANTIC_VSLAM_SHARED", os.path.join(ROOT, "..", "shared")), "data")
 DEFAULT_SEQUENCES = ("tum_fr1_xyz", "walk_xyz")
+# Stands in for a network of ours; models/README.md tells where it comes from.
+PUBLIC_NETWORK = os.path.join(DATA, "models", "deeplabv3_mnv2_pascal_quant.onnx")
 
 
 class BenchError(Exception):
@@ -41,8 +46,17 @@ def stage_times(path):
     return {stage: (statistics.median(ms), sorted(ms)[math.ceil(0.95 * len(ms)) - 1]) for stage, ms in samples.items()}
 
 
-def run_once(sequence, camera, out_dir):
-    run([os.path.join(PROGRAMS, "run_offline"), sequence, "--camera", camera, "--out", out_dir])
+def default_network():
+    """The one that run_offline takes by itself, else the public one if it is there, else ""."""
+    for line in run([os.path.join(PROGRAMS, "run_offline"), "--list-config"]).splitlines():
+        key, value = line.split()[:2]
+        if key == "segmentation.model" and value != '""':
+            return value
+    return PUBLIC_NETWORK if os.path.isfile(PUBLIC_NETWORK) else ""
+
+
+def run_once(sequence, camera, out_dir, options=()):
+    run([os.path.join(PROGRAMS, "run_offline"), sequence, "--camera", camera, "--out", out_dir, *options])
     trajectory = os.path.join(out_dir, "trajectory.txt")
     errors = json.loads(run([os.path.join(PROGRAMS, "evaluate_trajectory"), os.path.join(sequence, "groundtruth.txt"),
                              trajectory, "--json"]))
@@ -51,6 +65,8 @@ def run_once(sequence, camera, out_dir):
     return {"frames": summary["frames"], "posed": summary["posed"], "keyframes": summary["keyframes"],
             "landmarks": summary["landmarks"], "ate_rmse_m": errors["ate_m"]["rmse"],
             "rpe_rmse_m": errors["rpe_translation_m"]["rmse"],
+            **{f"mask_{key}": (summary["mask"] or {}).get(key) for key in ("iou", "precision", "recall")},
+            "initialising": summary["frames_in_state"].get("INITIALISING", 0), "dropped_late": summary["dropped_late"],
             "cpu_ms": stage_times(os.path.join(out_dir, "timing.csv"))}
 
 
@@ -76,8 +92,44 @@ def parse_arguments():
     parser = argparse.ArgumentParser(prog="./run bench", description=__doc__.splitlines()[0])
     parser.add_argument("sequences", nargs="*", help="TUM folders (default: %s in ../shared/data)" % ", ".join(DEFAULT_SEQUENCES))
     parser.add_argument("--camera", default=os.path.join(ROOT, "cfg", "cameras", "tum_fr1.yaml"), help="camera of the sequences")
-    parser.add_argument("--runs", type=int, default=5, help="runs of each sequence (default 5)")
+    parser.add_argument("--runs", type=int, help="runs of each sequence (default 5; 1 for a part, whose runs give the same)")
+    parser.add_argument("--network", help="semantic network of the parts, .onnx (default: the package's, else the public "
+                                          "one of ../shared/data/models)")
+    part = parser.add_mutually_exclusive_group()
+    for name, function in bench_motion.PARTS.items():
+        part.add_argument("--" + name, dest="part", action="store_const", const=name, help=function.__doc__)
     return parser.parse_args()
+
+
+def run_part(name, sequences, camera, runs, network, out_dir):
+    """One of bench_motion.PARTS over the sequences. @return numbers, text"""
+    results, text = {}, ""
+    for sequence in sequences:
+        label = os.path.basename(os.path.normpath(sequence))
+
+        def run_variant(variant, *options):
+            outcomes = []
+            for index in range(runs):
+                print(f"[bench] {label}: {variant}, run {index + 1} of {runs}", flush=True)
+                run_dir = os.path.join(out_dir, label, variant, str(index + 1))
+                os.makedirs(run_dir, exist_ok=True)
+                outcomes.append(run_once(sequence, camera, run_dir, options))
+            return outcomes
+        results[label], table_text = bench_motion.PARTS[name](run_variant, network)
+        text += f"{label}, network: {os.path.basename(network) or 'none'}\n{table_text}\n\n"
+    return results, text
+
+
+def run_table(sequences, camera, runs, out_dir):
+    results = {}
+    for sequence in sequences:
+        name = os.path.basename(os.path.normpath(sequence))
+        for index in range(runs):
+            print(f"[bench] {name}: run {index + 1} of {runs}", flush=True)
+            run_dir = os.path.join(out_dir, name, str(index + 1))
+            os.makedirs(run_dir, exist_ok=True)
+            results.setdefault(name, []).append(run_once(sequence, camera, run_dir))
+    return results
 
 
 def main():
@@ -87,18 +139,16 @@ def main():
         if not os.path.isfile(os.path.join(sequence, "groundtruth.txt")):
             raise BenchError(f"{sequence} is no TUM folder with a groundtruth.txt; give one: ./run bench DIR...")
     out_dir = os.path.join(ROOT, "out", "bench")
-    results = {}
-    for sequence in sequences:
-        name = os.path.basename(os.path.normpath(sequence))
-        for index in range(arguments.runs):
-            print(f"[bench] {name}: run {index + 1} of {arguments.runs}", flush=True)
-            run_dir = os.path.join(out_dir, name, str(index + 1))
-            os.makedirs(run_dir, exist_ok=True)
-            results.setdefault(name, []).append(run_once(sequence, arguments.camera, run_dir))
-    text = table(results)
-    with open(os.path.join(out_dir, "bench.txt"), "w") as file:
+    if arguments.part:
+        network = default_network() if arguments.network is None else arguments.network
+        results, text = run_part(arguments.part, sequences, arguments.camera, arguments.runs or 1, network, out_dir)
+    else:
+        results = run_table(sequences, arguments.camera, arguments.runs or 5, out_dir)
+        text = table(results)
+    name = os.path.join(out_dir, arguments.part or "bench")
+    with open(name + ".txt", "w") as file:
         file.write(text)
-    with open(os.path.join(out_dir, "bench.json"), "w") as file:
+    with open(name + ".json", "w") as file:
         json.dump(results, file, indent=1)
     print(text, end="")
 

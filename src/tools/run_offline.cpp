@@ -181,8 +181,8 @@ void record(const RgbdFrame& frame, const StepResult& step, const FrameSource& s
             Sample& sample) {
   ++report.frames;
   ++report.frames_in_state[stateName(step.tracking.state)];
-  ++report.frames_with_motion_model[motionModelName(step.motion.model)];
-  report.dynamic_share_sum += step.motion.dynamic_share;
+  const MotionResult& motion = step.motion;
+  report.motion.push_back({frame.index, motionModelName(motion.model), motion.inliers, motion.dynamic_share});
   const cv::Mat1b truth = source.groundTruthMask();
   if (truth.size() == frame.bgr.size()) {
     report.mask.add(step.dynamic.empty() ? cv::Mat1b(cv::Mat1b::zeros(truth.size())) : step.dynamic, truth);

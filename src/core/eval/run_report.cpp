@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <fstream>
+#include <numeric>
 
 #include "semantic_vslam/core/io/json_writer.h"
 
@@ -66,6 +67,30 @@ void writeMask(JsonWriter& json, const MaskScore& mask) {
   json.endObject();
 }
 
+void writeMotion(JsonWriter& json, const std::vector<FrameMotion>& motion) {
+  std::map<std::string, std::size_t> frames_with_model;
+  std::vector<double> frame, inliers, dynamic_share;
+  std::vector<std::string> model;
+  for (const FrameMotion& m : motion) {
+    ++frames_with_model[m.model];
+    frame.push_back(static_cast<double>(m.frame));
+    model.push_back(m.model);
+    inliers.push_back(m.inliers);
+    dynamic_share.push_back(m.dynamic_share);
+  }
+  const double sum = std::accumulate(dynamic_share.begin(), dynamic_share.end(), 0.0);
+  json.beginObject("motion");
+  json.field("mean_dynamic_share", motion.empty() ? 0.0 : sum / static_cast<double>(motion.size()));
+  write(json, "frames_with_model", frames_with_model);
+  json.beginObject("per_frame");
+  json.field("frame", frame);
+  json.field("model", model);
+  json.field("inliers", inliers);
+  json.field("dynamic_share", dynamic_share);
+  json.endObject();
+  json.endObject();
+}
+
 template <class... Values>
 std::string format(const char* form, Values... values) {
   char text[256];
@@ -85,10 +110,7 @@ std::string toJson(const RunReport& r) {
   json.field("landmarks", r.landmarks);
   writeErrors(json, r);
   writeMask(json, r.mask);
-  json.beginObject("motion");
-  json.field("mean_dynamic_share", r.frames == 0 ? 0.0 : r.dynamic_share_sum / static_cast<double>(r.frames));
-  write(json, "frames_with_model", r.frames_with_motion_model);
-  json.endObject();
+  writeMotion(json, r.motion);
   write(json, "frames_in_state", r.frames_in_state);
   json.field("skipped_broken", r.skipped_broken);
   json.field("dropped_late", r.dropped_late);

@@ -26,6 +26,20 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
+std::string number(double value) {
+  if (!std::isfinite(value)) return "null";
+  char text[40];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
+template <class Value, class Format>
+std::string array(const std::vector<Value>& values, Format format) {
+  std::string text = "[";
+  for (const Value& value : values) text += (text.size() > 1 ? ", " : "") + format(value);
+  return text + "]";
+}
+
 }  // namespace
 
 void JsonWriter::key(const std::string& name) {
@@ -35,14 +49,8 @@ void JsonWriter::key(const std::string& name) {
 }
 
 void JsonWriter::field(const std::string& name, double value) {
-  if (!std::isfinite(value)) {
-    null(name);
-    return;
-  }
-  char number[40];
-  std::snprintf(number, sizeof number, "%.9g", value);
   key(name);
-  text_ += number;
+  text_ += number(value);
 }
 
 void JsonWriter::field(const std::string& name, std::uint64_t value) {
@@ -63,6 +71,16 @@ void JsonWriter::field(const std::string& name, bool value) {
 void JsonWriter::field(const std::string& name, const std::string& value) {
   key(name);
   text_ += quoted(value);
+}
+
+void JsonWriter::field(const std::string& name, const std::vector<double>& values) {
+  key(name);
+  text_ += array(values, number);
+}
+
+void JsonWriter::field(const std::string& name, const std::vector<std::string>& values) {
+  key(name);
+  text_ += array(values, quoted);
 }
 
 void JsonWriter::null(const std::string& name) {

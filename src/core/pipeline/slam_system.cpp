@@ -53,9 +53,9 @@ StepResult SlamSystem::step(const RgbdFrame& frame) {
   last_stamp_ = frame.stamp;
 
   // Motion: what the camera's own motion does not explain, and the people of labels that have arrived by now.
-  takeLateLabels(frame.stamp);
   {
     auto timer = times_.scope("motion", frame.index);
+    takeLateLabels(frame.stamp);
     result.motion = motion_.detect(frame);
   }
 

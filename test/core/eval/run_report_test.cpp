@@ -16,7 +16,7 @@ RunReport smallReport() {
   report.posed = 249;
   report.keyframes = 31;
   report.frames_in_state["OK"] = 249;
-  report.dynamic_share_sum = 25.0;
+  report.motion = {{0, "none", 0, 0.0}, {1, "rigid_flow", 480, 0.25}, {2, "rigid_flow", 431, 0.05}};
   report.stages.push_back({"motion", 250, {10.0, 12.0, 20.0}, {9.0, 11.0, 18.0}});
   return report;
 }
@@ -28,6 +28,15 @@ TEST(RunReport, WithoutTruthErrorsAndMaskAreNull) {
     EXPECT_TRUE(contains(json, part)) << part << " in\n" << json;
   }
   EXPECT_FALSE(contains(toText(smallReport()), "ATE"));
+}
+
+TEST(RunReport, TellsOfEveryFrameWhatTheMotionStageSaid) {
+  const std::string json = toJson(smallReport());
+  for (const char* part :
+       {"\"rigid_flow\": 2", "\"frame\": [0, 1, 2]", "\"inliers\": [0, 480, 431]",
+        "\"model\": [\"none\", \"rigid_flow\", \"rigid_flow\"]", "\"dynamic_share\": [0, 0.25, 0.05]"}) {
+    EXPECT_TRUE(contains(json, part)) << part << " in\n" << json;
+  }
 }
 
 TEST(RunReport, WithTruthItHoldsTheErrors) {

@@ -32,5 +32,14 @@ TEST(JsonWriter, NumbersThatJsonLacksBecomeNull) {
   EXPECT_EQ(json.finish(), "{\n  \"nan\": null,\n  \"inf\": null,\n  \"none\": null\n}\n");
 }
 
+TEST(JsonWriter, ArraysStandOnOneLine) {
+  JsonWriter json;
+  json.field("share", std::vector<double>{0.25, std::numeric_limits<double>::quiet_NaN(), 1.0});
+  json.field("model", std::vector<std::string>{"none", "a \"b\""});
+  json.field("empty", std::vector<double>{});
+  EXPECT_EQ(json.finish(),
+            "{\n  \"share\": [0.25, null, 1],\n  \"model\": [\"none\", \"a \\\"b\\\"\"],\n  \"empty\": []\n}\n");
+}
+
 }  // namespace
 }  // namespace semantic_vslam

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -14,6 +15,14 @@
 
 namespace semantic_vslam {
 
+/// What the motion stage said of one frame.
+struct FrameMotion {
+  std::uint64_t frame = 0;  ///< index in the recording
+  std::string model;        ///< "none", "homography" or "rigid_flow"
+  int inliers = 0;
+  double dynamic_share = 0.0;
+};
+
 /// Figures of one run over a recording.
 struct RunReport {
   std::string sequence;
@@ -23,8 +32,7 @@ struct RunReport {
   std::size_t posed = 0;           ///< frames with a pose in the trajectory
   std::size_t keyframes = 0, landmarks = 0;
   std::map<std::string, std::size_t> frames_in_state;
-  std::map<std::string, std::size_t> frames_with_motion_model;
-  double dynamic_share_sum = 0.0;  ///< of MotionResult::dynamic_share over the frames
+  std::vector<FrameMotion> motion;  ///< one a frame given
   std::size_t cloud_points = 0, voxels = 0;
   double wall_s = 0.0;
   double peak_memory_mb = 0.0;

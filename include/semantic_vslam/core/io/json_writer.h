@@ -4,10 +4,11 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace semantic_vslam {
 
-/// Writes one JSON object of numbers, words and nested objects, in the order of the calls.
+/// Writes one JSON object of numbers, words, their arrays and nested objects, in the order of the calls.
 class JsonWriter {
  public:
   JsonWriter() { text_ = "{"; }
@@ -19,6 +20,9 @@ class JsonWriter {
   void field(const std::string& name, bool value);
   void field(const std::string& name, const std::string& value);
   void field(const std::string& name, const char* value) { field(name, std::string(value)); }
+  /// Arrays stand on one line.
+  void field(const std::string& name, const std::vector<double>& values);
+  void field(const std::string& name, const std::vector<std::string>& values);
   void null(const std::string& name);
   void beginObject(const std::string& name);
   void endObject();

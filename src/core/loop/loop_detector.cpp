@@ -181,7 +181,7 @@ bool LoopDetector::neighboursConfirm(const Map& map, const Keyframe& current, co
     const Keyframe& neighbour = *map.keyframe(id);
     const SE3 T_neighbour_world = neighbour.T_camera_world * current.T_camera_world.inverse() * T_current_world;
     const int found = countFound(map, landmarks, neighbour, T_neighbour_world, config_.confirming_radius_px,
-                                 tracker_.virtual_baseline_m);
+                                 tracker_.sensor.virtual_baseline_m);
     confirmed += found >= config_.min_confirming_matches ? 1 : 0;
   }
   return confirmed >= config_.confirming_neighbours;

@@ -53,7 +53,7 @@ bool isRedundant(const Map& map, const Keyframe& keyframe, double close_m, doubl
 
 }  // namespace
 
-KeyframeId insertKeyframe(Map& map, const TrackedFrame& frame, double virtual_baseline_m,
+KeyframeId insertKeyframe(Map& map, const TrackedFrame& frame, const SensorConfig& sensor,
                           const MapMaintenanceConfig& config) {
   Keyframe keyframe;
   keyframe.stamp = frame.stamp;
@@ -64,10 +64,9 @@ KeyframeId insertKeyframe(Map& map, const TrackedFrame& frame, double virtual_ba
   const KeyframeId id = map.addKeyframe(std::move(keyframe));
 
   const SE3 T_world_camera = frame.T_camera_world.inverse();
-  const double close_m = config.close_baselines * virtual_baseline_m;
   int made = 0;
   for (const int i : newPoints(*map.keyframe(id))) {
-    if (frame.feature(i).depth_m > close_m && made >= config.min_new_points) break;
+    if (frame.feature(i).depth_m > sensor.closeM() && made >= config.min_new_points) break;
     map.addLandmark(T_world_camera * frame.pointInCamera(i), id, i);
     ++made;
   }
@@ -153,7 +152,7 @@ int fuseWithNeighbours(Map& map, KeyframeId keyframe_id, double virtual_baseline
   return fused + fuseInto(map, theirs, keyframe_id, virtual_baseline_m, config.fuse_radius_px);
 }
 
-int cullRedundantKeyframes(Map& map, KeyframeId centre, KeyframeId keep, double virtual_baseline_m,
+int cullRedundantKeyframes(Map& map, KeyframeId centre, KeyframeId keep, const SensorConfig& sensor,
                            const MapMaintenanceConfig& config,
                            const std::function<void(const Keyframe&)>& before_removal) {
   int removed = 0;
@@ -161,7 +160,7 @@ int cullRedundantKeyframes(Map& map, KeyframeId centre, KeyframeId keep, double 
     static_cast<void>(shared);
     if (id == centre || id == keep || id == map.keyframes().begin()->first) continue;
     const Keyframe& keyframe = *map.keyframe(id);
-    if (!isRedundant(map, keyframe, config.close_baselines * virtual_baseline_m, config.redundant_share)) continue;
+    if (!isRedundant(map, keyframe, sensor.closeM(), config.redundant_share)) continue;
     before_removal(keyframe);
     map.removeKeyframe(id);
     ++removed;

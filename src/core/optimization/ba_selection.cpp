@@ -12,7 +12,10 @@ namespace {
 /// Copies keyframes and landmarks of a map into a problem, each once.
 class ProblemBuilder {
  public:
-  explicit ProblemBuilder(const Map& map) : map_(map) { problem_.map_version = map.version(); }
+  ProblemBuilder(const Map& map, const SensorConfig& sensor) : map_(map) {
+    problem_.map_version = map.version();
+    problem_.sensor = sensor;
+  }
 
   void addKeyframe(KeyframeId id, bool fixed) {
     const Keyframe& keyframe = *map_.keyframe(id);
@@ -85,8 +88,8 @@ std::vector<KeyframeId> ring(const Map& map, const std::set<LandmarkId>& landmar
 
 }  // namespace
 
-BaProblem selectLocal(const Map& map, KeyframeId centre, const BaConfig& config) {
-  ProblemBuilder builder(map);
+BaProblem selectLocal(const Map& map, KeyframeId centre, const SensorConfig& sensor, const BaConfig& config) {
+  ProblemBuilder builder(map, sensor);
   if (map.keyframe(centre) == nullptr) return builder.take();
   const std::vector<KeyframeId> adjusted = adjustedKeyframes(map, centre, config);
   const std::set<LandmarkId> landmarks = landmarksOf(map, adjusted);
@@ -101,8 +104,8 @@ BaProblem selectLocal(const Map& map, KeyframeId centre, const BaConfig& config)
   return builder.take();
 }
 
-BaProblem selectGlobal(const Map& map) {
-  ProblemBuilder builder(map);
+BaProblem selectGlobal(const Map& map, const SensorConfig& sensor) {
+  ProblemBuilder builder(map, sensor);
   bool first = true;
   for (const auto& [id, keyframe] : map.keyframes()) {
     static_cast<void>(keyframe);

@@ -52,12 +52,14 @@ struct Observed {
   std::vector<PixelMeasurement> measurements;
   std::vector<int> sightings;  ///< per landmark
 
-  Observed(const BaProblem& problem, const BaConfig& config) : sightings(problem.landmarks.size(), 0) {
-    for (const auto& keyframe : problem.keyframes) cameras.emplace_back(keyframe.camera, config.virtual_baseline_m);
+  explicit Observed(const BaProblem& problem) : sightings(problem.landmarks.size(), 0) {
+    for (const auto& keyframe : problem.keyframes) {
+      cameras.emplace_back(keyframe.camera, problem.sensor.virtual_baseline_m);
+    }
     measurements.reserve(problem.observations.size());
     for (const auto& o : problem.observations) {
-      measurements.push_back(makeMeasurement(o.undistorted_px, o.depth_m, o.sigma_px, o.weight, cameras[o.keyframe],
-                                             config.depth_sigma_px, config.far_baselines * config.virtual_baseline_m));
+      measurements.push_back(
+          makeMeasurement(o.undistorted_px, o.depth_m, o.sigma_px, o.weight, cameras[o.keyframe], problem.sensor));
       ++sightings[o.landmark];
     }
   }
@@ -178,7 +180,7 @@ MapSolution makeSolution(const BaProblem& problem, const Observed& observed, con
 }  // namespace
 
 MapSolution solve(const BaProblem& problem, const BaConfig& config, const std::atomic<bool>* abort, BaReport* report) {
-  const Observed observed(problem, config);
+  const Observed observed(problem);
   State state(problem);
   AbortCallback abort_callback(abort);
   BaReport local_report;

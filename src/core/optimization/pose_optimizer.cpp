@@ -14,14 +14,12 @@ namespace {
 
 using Measurements = std::vector<PixelMeasurement>;
 
-Measurements makeMeasurements(const PoseProblem& problem, const VirtualStereo& camera,
-                              const PoseOptimizerConfig& config) {
+Measurements makeMeasurements(const PoseProblem& problem, const VirtualStereo& camera) {
   Measurements measurements;
   measurements.reserve(problem.observations.size());
   for (const auto& observation : problem.observations) {
     measurements.push_back(makeMeasurement(observation.undistorted_px, observation.depth_m, observation.sigma_px,
-                                           observation.weight, camera, config.depth_sigma_px,
-                                           config.far_baselines * problem.virtual_baseline_m));
+                                           observation.weight, camera, problem.sensor));
   }
   return measurements;
 }
@@ -87,19 +85,19 @@ bool computeCovariance(const PoseCost& cost, Matrix6d* covariance) {
 }  // namespace
 
 PixelMeasurement makeMeasurement(const Eigen::Vector2d& undistorted_px, double depth_m, double sigma_px, double weight,
-                                 const VirtualStereo& camera, double depth_sigma_px, double max_depth_m) {
+                                 const VirtualStereo& camera, const SensorConfig& sensor) {
   PixelMeasurement m;
   m.undistorted_px = undistorted_px;
   m.sigma_px = sigma_px;
-  m.disparity_px = depth_m > 0.0 && depth_m <= max_depth_m ? camera.fx_baseline / depth_m : 0.0;
-  m.disparity_sigma_px = depth_sigma_px * sigma_px;
+  m.disparity_px = depth_m > 0.0 && depth_m <= sensor.closeM() ? camera.fx_baseline / depth_m : 0.0;
+  m.disparity_sigma_px = sensor.depth_sigma_px * sigma_px;
   m.weight = weight;
   return m;
 }
 
 PoseSolution optimizePose(const PoseProblem& problem, const PoseOptimizerConfig& config) {
-  const VirtualStereo camera(problem.camera, problem.virtual_baseline_m);
-  const Measurements measurements = makeMeasurements(problem, camera, config);
+  const VirtualStereo camera(problem.camera, problem.sensor.virtual_baseline_m);
+  const Measurements measurements = makeMeasurements(problem, camera);
 
   PoseSolution solution;
   solution.T_camera_world = problem.T_camera_world;

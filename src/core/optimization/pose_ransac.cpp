@@ -58,15 +58,14 @@ double samplesNeeded(double inlier_share) {
 
 }  // namespace
 
-std::optional<SE3> findPose(const PoseProblem& problem, const PoseOptimizerConfig& depth,
-                            const PoseRansacConfig& config) {
+std::optional<SE3> findPose(const PoseProblem& problem, const PoseRansacConfig& config) {
   const int count = static_cast<int>(problem.observations.size());
   if (count < std::max(kSample, config.min_inliers)) return std::nullopt;
-  const VirtualStereo camera(problem.camera, problem.virtual_baseline_m);
+  const VirtualStereo camera(problem.camera, problem.sensor.virtual_baseline_m);
   std::vector<PixelMeasurement> measurements;
   for (const auto& o : problem.observations) {
-    measurements.push_back(makeMeasurement(o.undistorted_px, o.depth_m, config.tolerance * o.sigma_px, o.weight, camera,
-                                           depth.depth_sigma_px, depth.far_baselines * problem.virtual_baseline_m));
+    measurements.push_back(
+        makeMeasurement(o.undistorted_px, o.depth_m, config.tolerance * o.sigma_px, o.weight, camera, problem.sensor));
   }
   const auto countInliers = [&](const SE3& pose) {
     int inliers = 0;

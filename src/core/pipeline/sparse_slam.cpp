@@ -98,7 +98,7 @@ void SparseSlam::relocaliseLocked(const TrackedFrame& frame, TrackingResult& res
 }
 
 KeyframeId SparseSlam::insertLocked(const TrackedFrame& frame) {
-  const KeyframeId id = insertKeyframe(map_, frame, config_.tracking.frame.virtual_baseline_m, config_.mapping);
+  const KeyframeId id = insertKeyframe(map_, frame, config_.tracking.frame.sensor, config_.mapping);
   places_.add(id, *frame.features);
   return id;
 }
@@ -126,19 +126,19 @@ bool SparseSlam::changeLocked(const Change& change) {
 }
 
 void SparseSlam::adjustAround(KeyframeId keyframe) {
-  const double baseline_m = config_.tracking.frame.virtual_baseline_m;
+  const SensorConfig& sensor = config_.tracking.frame.sensor;
   BaProblem problem;
   {
     std::lock_guard<std::mutex> lock(mutex_);
     if (!map_.keyframe(keyframe)) return;
     cullRecentLandmarks(map_, keyframe, config_.mapping);
-    fuseWithNeighbours(map_, keyframe, baseline_m, config_.mapping);
-    problem = selectLocal(map_, keyframe, config_.local_ba);
+    fuseWithNeighbours(map_, keyframe, sensor.virtual_baseline_m, config_.mapping);
+    problem = selectLocal(map_, keyframe, sensor, config_.local_ba);
   }
   const MapSolution solution = solve(problem, config_.local_ba, &abort_ba_);
   std::lock_guard<std::mutex> lock(mutex_);
   changeLocked([&] { return map_.apply(solution, problem.map_version); });
-  cullRedundantKeyframes(map_, keyframe, tracker_.reference(), baseline_m, config_.mapping,
+  cullRedundantKeyframes(map_, keyframe, tracker_.reference(), sensor, config_.mapping,
                          [this](const Keyframe& removed) {
                            trajectory_.keyframeRemoved(map_, removed);
                            places_.remove(removed.id);
@@ -159,7 +159,7 @@ void SparseSlam::closeLoop(KeyframeId keyframe) {
   {
     std::lock_guard<std::mutex> lock(mutex_);
     const bool applied = changeLocked([&] {
-      return applyLoop(map_, *closure, solution, graph.map_version, config_.tracking.frame.virtual_baseline_m,
+      return applyLoop(map_, *closure, solution, graph.map_version, config_.tracking.frame.sensor.virtual_baseline_m,
                        config_.loop_correction);
     });
     loops_.reset();
@@ -174,7 +174,7 @@ void SparseSlam::adjustAll() {
   BaProblem problem;
   {
     std::lock_guard<std::mutex> lock(mutex_);
-    problem = selectGlobal(map_);
+    problem = selectGlobal(map_, config_.tracking.frame.sensor);
   }
   MapSolution solution = solve(problem, config_.local_ba, &abort_ba_);
   std::lock_guard<std::mutex> lock(mutex_);

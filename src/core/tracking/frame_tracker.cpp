@@ -13,7 +13,7 @@ PoseProblem startProblem(const TrackedFrame& frame, const SE3& T_camera_world, c
   PoseProblem problem;
   problem.T_camera_world = T_camera_world;
   problem.camera = frame.camera->intrinsics();
-  problem.virtual_baseline_m = config.virtual_baseline_m;
+  problem.sensor = config.sensor;
   return problem;
 }
 
@@ -87,7 +87,7 @@ std::vector<FeatureMatch> findSources(const std::vector<Source>& sources, const 
     source_of_query.push_back(s);
   }
   GuidedSearchConfig search;
-  search.virtual_bf_px_m = static_cast<float>(current.camera->fx() * config.virtual_baseline_m);
+  search.virtual_bf_px_m = static_cast<float>(current.camera->fx() * config.sensor.virtual_baseline_m);
   return searchGuided(queries, *current.features, current.grid, {}, search);
 }
 

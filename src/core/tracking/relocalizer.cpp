@@ -34,7 +34,7 @@ int matchByDescriptor(const Map& map, const Keyframe& keyframe, const Relocalize
 PoseProblem makeProblem(const Map& map, const TrackedFrame& frame, const FrameTrackerConfig& tracker) {
   PoseProblem problem;
   problem.camera = frame.camera->intrinsics();
-  problem.virtual_baseline_m = tracker.virtual_baseline_m;
+  problem.sensor = tracker.sensor;
   for (std::size_t i = 0; i < frame.landmarks.size(); ++i) {
     const Landmark* landmark = frame.landmarks[i].valid() ? map.landmark(frame.landmarks[i]) : nullptr;
     if (landmark == nullptr) continue;
@@ -62,7 +62,7 @@ void addGuidedMatches(const Map& map, const std::vector<LandmarkId>& landmarks, 
   std::vector<bool> taken(frame.landmarks.size());
   for (std::size_t i = 0; i < taken.size(); ++i) taken[i] = frame.landmarks[i].valid();
   GuidedSearchConfig search;
-  search.virtual_bf_px_m = static_cast<float>(frame.camera->fx() * tracker.virtual_baseline_m);
+  search.virtual_bf_px_m = static_cast<float>(frame.camera->fx() * tracker.sensor.virtual_baseline_m);
   for (const auto& match : searchGuided(queries, *frame.features, frame.grid, taken, search)) {
     frame.landmarks[match.feature] = landmark_of_query[match.query];
   }
@@ -126,7 +126,7 @@ std::optional<RelocalisationResult> localizeAt(const Map& map, const std::vector
   if (matchByDescriptor(map, *map.keyframe(group.front()), config, working) < config.ransac.min_inliers) {
     return std::nullopt;
   }
-  const auto start = findPose(makeProblem(map, working, tracker), tracker.pose, config.ransac);
+  const auto start = findPose(makeProblem(map, working, tracker), config.ransac);
   if (!start) return std::nullopt;
   working.T_camera_world = *start;
 

@@ -21,6 +21,7 @@ const char* stateName(TrackingState state) {
 Tracker::Tracker(const TrackerConfig& config)
     : config_(config), orb_(config.orb), initializer_(config.initializer, config.frame) {
   validateConfig(config_);
+  validateConfig(config_.frame.sensor);
 }
 
 TrackedFrame Tracker::prepare(const RgbdFrame& frame, const cv::Mat1b& dynamic) const {
@@ -73,7 +74,7 @@ PoseEstimate Tracker::followLastFrame(const Map& map, TrackedFrame& frame) const
 PoseEstimate Tracker::followLocalMap(const Map& map, TrackedFrame& frame, TrackingResult& result) {
   const LocalMap local_map = selectLocalMap(map, frame, config_.local_map);
   if (local_map.keyframes.empty()) return {};
-  const double virtual_bf_px_m = frame.camera->fx() * config_.frame.virtual_baseline_m;
+  const double virtual_bf_px_m = frame.camera->fx() * config_.frame.sensor.virtual_baseline_m;
   result.visible = matchLocalMap(map, local_map, virtual_bf_px_m, config_.local_map, frame);
   const PoseEstimate estimate = refinePose(map, config_.frame, frame);
   if (!estimate.success) return estimate;
@@ -113,7 +114,7 @@ bool Tracker::keyframeIsDue(const Map& map, const TrackedFrame& frame, int inlie
   constexpr std::size_t kYoungMap = 3;
   evidence.reference_tracked = countConfirmed(map, *reference, map.keyframes().size() < kYoungMap ? 1 : 3);
   evidence.mapper_idle = mapper_idle;
-  countClose(frame, config_.keyframe.close_baselines * config_.frame.virtual_baseline_m, evidence);
+  countClose(frame, config_.frame.sensor.closeM(), evidence);
   return semantic_vslam::keyframeIsDue(evidence, config_.keyframe);
 }
 

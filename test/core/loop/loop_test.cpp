@@ -116,7 +116,7 @@ TEST(LoopCorrector, ClosingTakesMostOfTheErrorOutAndJoinsBothVisits) {
     connected |= id == closure->matched && shared > 0;
   EXPECT_TRUE(connected);
 
-  const BaProblem bundle = selectGlobal(map);
+  const BaProblem bundle = selectGlobal(map, SensorConfig());
   ASSERT_TRUE(map.apply(solve(bundle, {}, nullptr), bundle.map_version));
   std::printf("loop: rmse %.3f m -> pose graph %.3f m -> global adjustment %.3f m\n", before, closed, walk.rmse());
   EXPECT_LT(walk.rmse(), before / 3.0);

@@ -11,8 +11,6 @@
 namespace semantic_vslam {
 namespace {
 
-constexpr double kBaselineM = 0.08;
-
 class MapTest : public ::testing::Test {
  protected:
   /// A keyframe that sees the scene, matched to the landmarks of the points it sees.
@@ -21,7 +19,7 @@ class MapTest : public ::testing::Test {
     TrackedFrame frame = scene_.frame(next_index_++, T_camera_world, 0.0, 0.0, &visible);
     frame.T_camera_world = T_camera_world;
     for (std::size_t i = 0; i < visible.size(); ++i) frame.landmarks[i] = landmark_of_point_[visible[i]];
-    const KeyframeId id = insertKeyframe(map_, frame, kBaselineM, MapMaintenanceConfig());
+    const KeyframeId id = insertKeyframe(map_, frame, SensorConfig(), MapMaintenanceConfig());
     for (std::size_t i = 0; i < visible.size(); ++i) {
       landmark_of_point_[visible[i]] = map_.keyframe(id)->landmarks[i];
     }
@@ -103,7 +101,7 @@ TEST_F(MapTest, DuplicatesOfANeighbourAreFound) {
   for (int i = 0; i < 30; ++i) landmark_of_point_[i] = first[i];  // enough to be neighbours
   const KeyframeId b = addView(cameraAt({0.05, 0, 0}));
   ASSERT_GT(map_.landmarks().size(), once + 100);
-  fuseWithNeighbours(map_, b, kBaselineM, MapMaintenanceConfig());
+  fuseWithNeighbours(map_, b, SensorConfig().virtual_baseline_m, MapMaintenanceConfig());
   EXPECT_LT(map_.landmarks().size(), once + 30) << "nearly all duplicates are merged";
 }
 
@@ -147,7 +145,7 @@ TEST_F(MapTest, AKeyframeThatAddsNothingIsRemovedAndAnnounced) {
   std::vector<KeyframeId> ids;
   for (int i = 0; i < 6; ++i) ids.push_back(addView(cameraAt({0.01 * i, 0, 0})));
   std::vector<KeyframeId> announced;
-  const int removed = cullRedundantKeyframes(map_, ids.back(), KeyframeId(), kBaselineM, MapMaintenanceConfig(),
+  const int removed = cullRedundantKeyframes(map_, ids.back(), KeyframeId(), SensorConfig(), MapMaintenanceConfig(),
                                              [&](const Keyframe& gone) { announced.push_back(gone.id); });
   EXPECT_EQ(removed, 3) << "of six that see the same, three stay: the fourth still had three others";
   EXPECT_EQ(announced.size(), 3U);

@@ -55,7 +55,7 @@ TEST(BundleAdjustment, PerfectMeasurementsGiveTheTruthBack) {
   config.first_iterations = config.second_iterations = 30;
   ASSERT_GT(scene.poseError(scene.synthetic.map), 0.01);
   BaReport report;
-  const MapSolution solution = solve(selectGlobal(scene.synthetic.map), config, nullptr, &report);
+  const MapSolution solution = solve(selectGlobal(scene.synthetic.map, SensorConfig()), config, nullptr, &report);
   EXPECT_FALSE(report.aborted);
   EXPECT_LT(report.final_cost, 1e-3 * report.initial_cost);
   ASSERT_TRUE(scene.synthetic.map.apply(solution, scene.synthetic.map.version()));
@@ -78,7 +78,7 @@ TEST(BundleAdjustment, NoiseAndWrongMatchesAreAveragedAndTakenOut) {
   }
   ASSERT_GT(wrong.size(), 20U);
   const double before = scene.poseError(map);
-  const MapSolution solution = solve(selectGlobal(map), {}, nullptr);
+  const MapSolution solution = solve(selectGlobal(map, SensorConfig()), {}, nullptr);
   std::size_t found = 0;
   for (const auto& [keyframe, landmark] : solution.outlier_observations) {
     found += wrong.count({keyframe.value(), landmark.value()});
@@ -95,7 +95,7 @@ TEST(BundleAdjustment, LocalSelectionTakesNeighboursFixesTheRingAndTheFirst) {
   BaConfig config;
   config.max_keyframes = 5;
   config.max_fixed_keyframes = 4;
-  const BaProblem problem = selectLocal(scene.synthetic.map, KeyframeId(20), config);
+  const BaProblem problem = selectLocal(scene.synthetic.map, KeyframeId(20), SensorConfig(), config);
   std::set<KeyframeId> free, fixed;
   for (const auto& keyframe : problem.keyframes) (keyframe.fixed ? fixed : free).insert(keyframe.id);
   EXPECT_EQ(free.size(), 5U);
@@ -107,19 +107,20 @@ TEST(BundleAdjustment, LocalSelectionTakesNeighboursFixesTheRingAndTheFirst) {
     ASSERT_LT(o.landmark, static_cast<int>(problem.landmarks.size()));
   }
 
-  const BaProblem at_start = selectLocal(scene.synthetic.map, KeyframeId(1), config);
+  const BaProblem at_start = selectLocal(scene.synthetic.map, KeyframeId(1), SensorConfig(), config);
   for (const auto& keyframe : at_start.keyframes) {
     if (keyframe.id == KeyframeId(0)) {
       EXPECT_TRUE(keyframe.fixed);
     }
   }
-  EXPECT_TRUE(selectLocal(scene.synthetic.map, KeyframeId(99), config).keyframes.empty());
+  EXPECT_TRUE(selectLocal(scene.synthetic.map, KeyframeId(99), SensorConfig(), config).keyframes.empty());
 }
 
 TEST(BundleAdjustment, SmallMapWithoutARingStillHasOneFixedKeyframe) {
   WallMap scene(3, 300, {0.5, 0.3, 0}, 0.0);
   int fixed = 0;
-  for (const auto& keyframe : selectLocal(scene.synthetic.map, KeyframeId(2), {}).keyframes) fixed += keyframe.fixed;
+  for (const auto& keyframe : selectLocal(scene.synthetic.map, KeyframeId(2), SensorConfig(), {}).keyframes)
+    fixed += keyframe.fixed;
   EXPECT_EQ(fixed, 1);
 }
 
@@ -127,7 +128,7 @@ TEST(BundleAdjustment, FixedKeyframesKeepTheirPoseAndFarOnesAreNotMentioned) {
   WallMap scene(30, 900, {0.5, 0.3, 0});
   BaConfig config;
   config.max_keyframes = 5;
-  const BaProblem problem = selectLocal(scene.synthetic.map, KeyframeId(20), config);
+  const BaProblem problem = selectLocal(scene.synthetic.map, KeyframeId(20), SensorConfig(), config);
   const MapSolution solution = solve(problem, config, nullptr);
   EXPECT_EQ(solution.T_camera_world.size(), 5U);
   for (const auto& keyframe : problem.keyframes) {
@@ -147,7 +148,7 @@ TEST(BundleAdjustment, LandmarkSeenOnceGoesAlongWithItsKeyframe) {
   for (int k = 0; k < 5; ++k) map.removeObservation(KeyframeId(k), lonely);
   ASSERT_EQ(map.landmark(lonely)->observations.size(), 1U);
   const Eigen::Vector3d in_camera = map.keyframe(last)->T_camera_world * map.landmark(lonely)->position_world;
-  ASSERT_TRUE(map.apply(solve(selectGlobal(map), {}, nullptr), map.version()));
+  ASSERT_TRUE(map.apply(solve(selectGlobal(map, SensorConfig()), {}, nullptr), map.version()));
   EXPECT_LT((map.keyframe(last)->T_camera_world * map.landmark(lonely)->position_world - in_camera).norm(), 1e-9);
 }
 
@@ -155,7 +156,7 @@ TEST(BundleAdjustment, AbortReturnsAtOnceAndRemovesNothing) {
   WallMap scene(8, 600, {0.5, 0.3, 0});
   const std::atomic<bool> abort{true};
   BaReport report;
-  const MapSolution solution = solve(selectGlobal(scene.synthetic.map), {}, &abort, &report);
+  const MapSolution solution = solve(selectGlobal(scene.synthetic.map, SensorConfig()), {}, &abort, &report);
   EXPECT_TRUE(report.aborted);
   EXPECT_TRUE(solution.outlier_observations.empty());
   for (const auto& [id, pose] : solution.T_camera_world) {
@@ -166,7 +167,7 @@ TEST(BundleAdjustment, AbortReturnsAtOnceAndRemovesNothing) {
 TEST(BundleAdjustment, StaleSolutionIsRefused) {
   WallMap scene(4, 300, {0.5, 0.3, 0});
   Map& map = scene.synthetic.map;
-  const BaProblem problem = selectGlobal(map);
+  const BaProblem problem = selectGlobal(map, SensorConfig());
   const MapSolution solution = solve(problem, {}, nullptr);
   map.bumpVersion();
   EXPECT_FALSE(map.apply(solution, problem.map_version));
@@ -174,7 +175,7 @@ TEST(BundleAdjustment, StaleSolutionIsRefused) {
 
 TEST(BundleAdjustment, SameProblemGivesTheSameBits) {
   WallMap scene(6, 400, {0.5, 0.3, 0});
-  const BaProblem problem = selectLocal(scene.synthetic.map, KeyframeId(5), {});
+  const BaProblem problem = selectLocal(scene.synthetic.map, KeyframeId(5), SensorConfig(), {});
   const MapSolution a = solve(problem, {}, nullptr), b = solve(problem, {}, nullptr);
   for (const auto& [id, pose] : a.T_camera_world) EXPECT_EQ(pose.matrix(), b.T_camera_world.at(id).matrix());
   for (const auto& [id, position] : a.position_world) EXPECT_EQ(position, b.position_world.at(id));
@@ -186,7 +187,7 @@ TEST(BundleAdjustment, TypicalLocalProblemCostsAFractionOfASecond) {
   BaConfig config;
   config.max_keyframes = 12;
   config.max_fixed_keyframes = 8;
-  const BaProblem problem = selectLocal(scene.synthetic.map, KeyframeId(12), config);
+  const BaProblem problem = selectLocal(scene.synthetic.map, KeyframeId(12), SensorConfig(), config);
   const auto cpuMs = [] {
     timespec t{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);

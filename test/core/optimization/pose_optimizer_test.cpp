@@ -36,7 +36,7 @@ Scene makeScene(int points, int outliers, double noise, std::uint64_t seed) {
   Scene scene;
   scene.truth = pose(0.3, -0.1, 0.2, 0.1, 0.4, -0.2);
   scene.problem.camera = kIntrinsics;
-  const VirtualStereo stereo(kIntrinsics, scene.problem.virtual_baseline_m);
+  const VirtualStereo stereo(kIntrinsics, scene.problem.sensor.virtual_baseline_m);
   for (int i = 0; i < points; ++i) {
     const Eigen::Vector2d px(rng.uniform(10, 630), rng.uniform(10, 470));
     const double depth_m = rng.uniform(0.6, 5.0);
@@ -92,12 +92,11 @@ TEST(PoseOptimizer, WeightZeroTakesMovingPointsOutOfThePose) {
 
 TEST(PoseOptimizer, FarDepthIsNotUsed) {
   Scene scene = makeScene(100, 0, 0.0, 4);
-  PoseOptimizerConfig config;
   for (auto& o : scene.problem.observations) {
     const double true_depth_m = (scene.truth * o.point_world).z();
-    o.depth_m = true_depth_m > config.far_baselines * scene.problem.virtual_baseline_m ? true_depth_m + 2.0 : 0.0;
+    o.depth_m = true_depth_m > scene.problem.sensor.closeM() ? true_depth_m + 2.0 : 0.0;
   }
-  const PoseSolution solution = optimizePose(scene.problem, config);
+  const PoseSolution solution = optimizePose(scene.problem, {});
   EXPECT_EQ(solution.inliers, 100);
   EXPECT_LT(positionError(solution.T_camera_world, scene.truth), 1e-8);
 }
@@ -111,11 +110,10 @@ TEST(PoseOptimizer, DepthTellsTheDistanceOfAPatchThatPixelsAloneHardlyTell) {
     o.undistorted_px = Eigen::Vector2d(320, 240) + 0.1 * (o.undistorted_px - Eigen::Vector2d(320, 240));
     o.point_world = scene.truth.inverse() * camera().unprojectUndistorted(o.undistorted_px, o.depth_m);
   }
-  PoseOptimizerConfig config;
-  config.depth_sigma_px = 0.1;
-  const PoseSolution with_depth = optimizePose(scene.problem, config);
+  scene.problem.sensor.depth_sigma_px = 0.1;
+  const PoseSolution with_depth = optimizePose(scene.problem, {});
   for (auto& o : scene.problem.observations) o.depth_m = 0.0;
-  const PoseSolution without = optimizePose(scene.problem, config);
+  const PoseSolution without = optimizePose(scene.problem, {});
   ASSERT_TRUE(with_depth.usable && without.usable);
   EXPECT_LT(positionError(with_depth.T_camera_world, scene.truth), 1e-4);
   // 60 depths of 2^2 / 41 m/px x 0.1 px x a mean level scale of 2: 2.5 mm in all; the pixels alone leave centimetres.
@@ -126,17 +124,16 @@ TEST(PoseOptimizer, DepthTellsTheDistanceOfAPatchThatPixelsAloneHardlyTell) {
 TEST(PoseOptimizer, CovarianceMatchesTheScatterOfSolutions) {
   Eigen::Vector3d sum_squared = Eigen::Vector3d::Zero(), predicted = Eigen::Vector3d::Zero();
   constexpr int kTrials = 200;
-  PoseOptimizerConfig config;
-  config.depth_sigma_px = 0.5;
   for (int trial = 0; trial < kTrials; ++trial) {
     Scene scene = makeScene(100, 0, 1.0, 100 + trial);
+    scene.problem.sensor.depth_sigma_px = 0.5;
     for (auto& o : scene.problem.observations) o.sigma_px = 1.0;
     Rng rng(900 + trial);
     for (auto& o : scene.problem.observations) {  // redraw the pixels with that one sigma
       const Eigen::Vector3d p = scene.truth * o.point_world;
       o.undistorted_px = camera().projectUndistorted(p) + Eigen::Vector2d(rng.normal(), rng.normal());
     }
-    const PoseSolution solution = optimizePose(scene.problem, config);
+    const PoseSolution solution = optimizePose(scene.problem, {});
     ASSERT_TRUE(solution.usable);
     const Eigen::Vector3d error = (solution.T_camera_world * scene.truth.inverse()).translation();
     sum_squared += error.cwiseAbs2() / kTrials;

@@ -40,7 +40,7 @@ SE3 truePose() {
 TEST(PoseRansac, FindsThePoseAmongSixtyPercentWrongMatches) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const PoseProblem problem = makeProblem(100, 60, truePose(), seed);
-    const auto pose = findPose(problem, {}, {});
+    const auto pose = findPose(problem, {});
     ASSERT_TRUE(pose) << seed;
     const SE3 difference = *pose * truePose().inverse();
     EXPECT_LT(difference.translation().norm(), 0.05) << seed;
@@ -50,18 +50,18 @@ TEST(PoseRansac, FindsThePoseAmongSixtyPercentWrongMatches) {
 
 TEST(PoseRansac, RandomMatchesHaveNoPose) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    EXPECT_FALSE(findPose(makeProblem(100, 100, truePose(), seed), {}, {})) << seed;
+    EXPECT_FALSE(findPose(makeProblem(100, 100, truePose(), seed), {})) << seed;
   }
 }
 
 TEST(PoseRansac, TooFewMatchesHaveNoPose) {
-  EXPECT_FALSE(findPose(makeProblem(0, 0, truePose(), 1), {}, {}));
-  EXPECT_FALSE(findPose(makeProblem(11, 0, truePose(), 1), {}, {}));
+  EXPECT_FALSE(findPose(makeProblem(0, 0, truePose(), 1), {}));
+  EXPECT_FALSE(findPose(makeProblem(11, 0, truePose(), 1), {}));
 }
 
 TEST(PoseRansac, SameProblemGivesTheSameBits) {
   const PoseProblem problem = makeProblem(80, 40, truePose(), 5);
-  EXPECT_EQ(findPose(problem, {}, {})->matrix(), findPose(problem, {}, {})->matrix());
+  EXPECT_EQ(findPose(problem, {})->matrix(), findPose(problem, {})->matrix());
 }
 
 }  // namespace

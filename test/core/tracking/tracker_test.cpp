@@ -71,7 +71,7 @@ class TrackerTest : public ::testing::Test {
     TrackingResult result = tracker_.track(frame, map_, true);
     if (result.first_frame) {
       TrackedFrame first = *result.first_frame;
-      const KeyframeId id = insertKeyframe(map_, first, 0.08, MapMaintenanceConfig());
+      const KeyframeId id = insertKeyframe(map_, first, SensorConfig(), MapMaintenanceConfig());
       first.landmarks = map_.keyframe(id)->landmarks;
       tracker_.startFrom(first, id);
       result = tracker_.track(frame, map_, true);
@@ -141,7 +141,7 @@ TEST(TrajectoryLog, FollowsMovedAndRemovedKeyframes) {
   for (int i = 0; i < 3; ++i) {
     TrackedFrame frame = scene.frame(i, cameraAt({0.1 * i, 0, 0}));
     frame.T_camera_world = cameraAt({0.1 * i, 0, 0});
-    ids.push_back(insertKeyframe(map, frame, 0.08, MapMaintenanceConfig()));
+    ids.push_back(insertKeyframe(map, frame, SensorConfig(), MapMaintenanceConfig()));
   }
   TrajectoryLog log;
   log.add(Stamp{1}, cameraAt({0.25, 0, 0}), *map.keyframe(ids[2]));

@@ -5,13 +5,13 @@
 #include <functional>
 #include <vector>
 
+#include "semantic_vslam/core/camera/sensor_config.h"
 #include "semantic_vslam/core/map/map.h"
 #include "semantic_vslam/core/tracking/tracked_frame.h"
 
 namespace semantic_vslam {
 
 struct MapMaintenanceConfig {
-  double close_baselines = 40.0;
   int min_new_points = 100;
   double min_found_share = 0.25;
   int probation_keyframes = 3;
@@ -21,8 +21,6 @@ struct MapMaintenanceConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("close_baselines", close_baselines, 1.0, 1000.0,
-            "depth alone makes a landmark up to this many virtual baselines (40 x 0.08 m = 3.2 m)");
     v.field("min_new_points", min_new_points, 0, 1000,
             "where fewer close points are at hand, the nearest points are taken up to this number");
     v.field(
@@ -39,7 +37,7 @@ struct MapMaintenanceConfig {
 };
 
 /// Makes a keyframe of a tracked frame, and landmarks of its close static points that have none.
-KeyframeId insertKeyframe(Map& map, const TrackedFrame& frame, double virtual_baseline_m,
+KeyframeId insertKeyframe(Map& map, const TrackedFrame& frame, const SensorConfig& sensor,
                           const MapMaintenanceConfig& config);
 
 /// Drops landmarks made in the last few keyframes that tracking does not confirm.
@@ -60,7 +58,7 @@ int fuseWithNeighbours(Map& map, KeyframeId keyframe, double virtual_baseline_m,
 /// @param keep            stays too (tracking's reference), may be invalid
 /// @param before_removal  called with each keyframe that goes, while it is still there
 /// @return keyframes removed
-int cullRedundantKeyframes(Map& map, KeyframeId centre, KeyframeId keep, double virtual_baseline_m,
+int cullRedundantKeyframes(Map& map, KeyframeId centre, KeyframeId keep, const SensorConfig& sensor,
                            const MapMaintenanceConfig& config,
                            const std::function<void(const Keyframe&)>& before_removal);
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "semantic_vslam/core/camera/camera_model.h"
+#include "semantic_vslam/core/camera/sensor_config.h"
 #include "semantic_vslam/core/geometry/se3.h"
 #include "semantic_vslam/core/map/map.h"
 
@@ -19,9 +20,6 @@ struct BaConfig {
   int min_shared = 15;
   int first_iterations = 5;
   int second_iterations = 10;
-  double virtual_baseline_m = 0.08;
-  double depth_sigma_px = 1.0;
-  double far_baselines = 40.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -32,11 +30,6 @@ struct BaConfig {
     v.field("min_shared", min_shared, 1, 1000, "landmarks that a keyframe must share with the centre to be adjusted");
     v.field("first_iterations", first_iterations, 1, 100, "most steps before wrong matches are taken out");
     v.field("second_iterations", second_iterations, 1, 100, "most steps after it");
-    v.field("virtual_baseline_m", virtual_baseline_m, 0.01, 1.0,
-            "of the virtual stereo pair that depth is turned into");
-    v.field("depth_sigma_px", depth_sigma_px, 0.01, 100.0,
-            "standard deviation of measured depth, px of disparity at the virtual baseline");
-    v.field("far_baselines", far_baselines, 1.0, 1e6, "depth past this many virtual baselines is not used");
   }
 };
 
@@ -64,6 +57,7 @@ struct BaObservation {
 /// Copy of the part of a map that is adjusted; it can be solved while the map lives on.
 struct BaProblem {
   std::uint64_t map_version = 0;  ///< for Map::apply
+  SensorConfig sensor;            ///< how depth is weighed
   std::vector<BaKeyframe> keyframes;
   std::vector<BaLandmark> landmarks;
   std::vector<BaObservation> observations;
@@ -79,10 +73,10 @@ struct BaReport {
 
 /// The centre, its covisible keyframes and the landmarks they see; keyframes that see these from outside are fixed, as
 /// is the map's first one. @return an empty problem if the centre is gone.
-BaProblem selectLocal(const Map& map, KeyframeId centre, const BaConfig& config);
+BaProblem selectLocal(const Map& map, KeyframeId centre, const SensorConfig& sensor, const BaConfig& config);
 
 /// The whole map; its first keyframe is fixed.
-BaProblem selectGlobal(const Map& map);
+BaProblem selectGlobal(const Map& map, const SensorConfig& sensor);
 
 /// Bundle adjustment: poses and landmarks that minimise the reprojection error (ORB-SLAM2, section III.C, eq. 2 and 3,
 /// with depth as virtual disparity), Huber's kernel, a second round without the matches that fail the chi-square test.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "semantic_vslam/core/camera/camera_model.h"
+#include "semantic_vslam/core/camera/sensor_config.h"
 #include "semantic_vslam/core/geometry/se3.h"
 #include "semantic_vslam/core/optimization/pose_cost.h"
 
@@ -16,19 +17,12 @@ struct PoseOptimizerConfig {
   int rounds = 4;
   int iterations = 10;
   int min_inliers = 10;
-  double depth_sigma_px = 1.0;
-  double far_baselines = 40.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("rounds", rounds, 1, 10, "rounds of optimisation, each followed by a new look at who is an inlier");
     v.field("iterations", iterations, 1, 100, "most solver steps in a round");
     v.field("min_inliers", min_inliers, 4, 1000, "fewer inliers leave the pose unusable");
-    v.field("depth_sigma_px", depth_sigma_px, 0.01, 100.0,
-            "standard deviation of measured depth, px of disparity at the virtual baseline: z^2 / (fx b) metres a px; "
-            "1 px is 2.4 cm at 1 m, which covers a Kinect's registration and edge errors where features lie");
-    v.field("far_baselines", far_baselines, 1.0, 1e6,
-            "depth past this many virtual baselines is not used (40 x 0.08 m = 3.2 m): its error exceeds its worth");
   }
 };
 
@@ -44,7 +38,7 @@ struct PoseObservation {
 struct PoseProblem {
   SE3 T_camera_world = SE3::Identity();  ///< start
   CameraIntrinsics camera;               ///< distortion is not used: pixels are undistorted
-  double virtual_baseline_m = 0.08;      ///< of the virtual stereo pair that depth is turned into
+  SensorConfig sensor;                   ///< how depth is weighed
   std::vector<PoseObservation> observations;
   std::optional<PosePrior> prior;
 };
@@ -66,6 +60,6 @@ PoseSolution optimizePose(const PoseProblem& problem, const PoseOptimizerConfig&
 
 /// The measurement that the optimisers see of a feature. @param depth_m 0 = none
 PixelMeasurement makeMeasurement(const Eigen::Vector2d& undistorted_px, double depth_m, double sigma_px, double weight,
-                                 const VirtualStereo& camera, double depth_sigma_px, double max_depth_m);
+                                 const VirtualStereo& camera, const SensorConfig& sensor);
 
 }  // namespace semantic_vslam

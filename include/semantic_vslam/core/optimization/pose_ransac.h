@@ -26,9 +26,7 @@ struct PoseRansacConfig {
 /// P3P, the pose that most matches fit (RANSAC, Fischler and Bolles 1981). The samples depend on nothing but the number
 /// of matches, so the same problem gives the same pose.
 /// @param problem  T_camera_world and prior are not used
-/// @param depth    how depth is weighed when matches are judged (depth_sigma_px, far_baselines)
 /// @return the pose of the best sample, to be optimised by the caller; nothing if fewer than min_inliers fit.
-std::optional<SE3> findPose(const PoseProblem& problem, const PoseOptimizerConfig& depth,
-                            const PoseRansacConfig& config);
+std::optional<SE3> findPose(const PoseProblem& problem, const PoseRansacConfig& config);
 
 }  // namespace semantic_vslam

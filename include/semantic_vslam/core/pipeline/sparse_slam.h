@@ -38,6 +38,7 @@ struct SparseSlamConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
+    v.group("sensor", tracking.frame.sensor);
     v.group("tracking", tracking);
     v.group("mapping", mapping);
     v.group("local_ba", local_ba);

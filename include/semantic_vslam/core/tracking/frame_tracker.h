@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "semantic_vslam/core/camera/sensor_config.h"
 #include "semantic_vslam/core/map/map.h"
 #include "semantic_vslam/core/optimization/pose_optimizer.h"
 #include "semantic_vslam/core/tracking/tracked_frame.h"
@@ -9,15 +10,13 @@
 namespace semantic_vslam {
 
 struct FrameTrackerConfig {
-  double virtual_baseline_m = 0.08;
+  SensorConfig sensor;  ///< of all stages; a group of keys of its own beside `tracking` (SparseSlamConfig)
   double search_radius_px = 15.0;
   int minimum_matches = 20;
   PoseOptimizerConfig pose;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("virtual_baseline_m", virtual_baseline_m, 0.01, 1.0,
-            "baseline of the virtual stereo camera that depth is compared in; 0.08 m is a Kinect's");
     v.field("search_radius_px", search_radius_px, 2.0, 100.0,
             "how far from its predicted place a point of the last frame is looked for, px at full size");
     v.field("minimum_matches", minimum_matches, 6, 500,

@@ -16,7 +16,6 @@ struct KeyframePolicyConfig {
   double min_reference_share = 0.9;
   int min_close_tracked = 100;
   int min_close_new = 70;
-  double close_baselines = 40.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -30,9 +29,6 @@ struct KeyframePolicyConfig {
     v.field("min_close_tracked", min_close_tracked, 0, 1000,
             "fewer tracked close points than this, with min_close_new new ones at hand, need a keyframe at once");
     v.field("min_close_new", min_close_new, 0, 1000, "see min_close_tracked");
-    v.field(
-        "close_baselines", close_baselines, 1.0, 1000.0,
-        "a point is close, its depth alone makes a landmark, up to this many virtual baselines (40 x 0.08 m = 3.2 m)");
   }
 };
 

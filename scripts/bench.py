@@ -16,6 +16,7 @@ import subprocess
 import sys
 
 import bench_motion
+import bench_recovery
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 PROGRAMS = os.path.join(ROOT, "build", "release", "devel", "lib", "semantic_vslam")
@@ -98,6 +99,8 @@ def parse_arguments():
     part = parser.add_mutually_exclusive_group()
     for name, function in bench_motion.PARTS.items():
         part.add_argument("--" + name, dest="part", action="store_const", const=name, help=function.__doc__)
+    part.add_argument("--recovery", dest="part", action="store_const", const="recovery",
+                      help=bench_recovery.recovery.__doc__.splitlines()[0] + " Of the first sequence")
     return parser.parse_args()
 
 
@@ -139,7 +142,11 @@ def main():
         if not os.path.isfile(os.path.join(sequence, "groundtruth.txt")):
             raise BenchError(f"{sequence} is no TUM folder with a groundtruth.txt; give one: ./run bench DIR...")
     out_dir = os.path.join(ROOT, "out", "bench")
-    if arguments.part:
+    os.makedirs(out_dir, exist_ok=True)
+    if arguments.part == "recovery":
+        program = os.path.join(PROGRAMS, "measure_recovery")
+        results, text = bench_recovery.recovery(run, program, sequences[0], arguments.camera)
+    elif arguments.part:
         network = default_network() if arguments.network is None else arguments.network
         results, text = run_part(arguments.part, sequences, arguments.camera, arguments.runs or 1, network, out_dir)
     else:

@@ -227,6 +227,41 @@ TEST(SparseSlam, FindsBackAfterTheCameraWasCovered) {
   EXPECT_LT(difference.translation().norm(), 0.02);
 }
 
+TEST(SparseSlam, AfterEveryCutAndJumpItFindsTheRightPlace) {
+  StageTimes times;
+  SparseSlam slam(SparseSlamConfig(), SparseSlam::Mode::kSynchronous);
+  const auto& frames = walkingFrames();
+  std::uint64_t index = 0;
+  const auto show = [&](int i) {
+    return slam.step(at(frames[i].frame, index++), frames[i].person_mask, times).tracking;
+  };
+  std::vector<SE3> T_camera_world;
+  for (int i = 0; i < 60; ++i) T_camera_world.push_back(show(i).T_camera_world);
+  const std::size_t keyframes = slam.keyframeCount();
+
+  RgbdFrame dark = frames[0].frame;
+  dark.gray = cv::Mat1b(dark.gray.size(), std::uint8_t{0});
+  dark.depth_m = cv::Mat1f(dark.depth_m.size(), 0.0F);
+  for (const int place : {5, 45, 20, 49, 10, 35}) {
+    const bool covered = place % 2 == 1;
+    if (covered) {
+      for (int i = 0; i < 45; ++i) slam.step(at(dark, index++), {}, times);
+    } else {
+      index += 45;
+    }
+    int found = 0;
+    for (int i = 0; i < 10; ++i) {
+      const TrackingResult result = show(place + i);
+      if (result.state != TrackingState::kOk) continue;
+      ++found;
+      const SE3 difference = result.T_camera_world * T_camera_world[place + i].inverse();
+      EXPECT_LT(difference.translation().norm(), 0.05) << "place " << place << " frame " << i;
+    }
+    EXPECT_GT(found, 0) << "place " << place;
+  }
+  EXPECT_GE(slam.keyframeCount() + 3, keyframes) << "nothing is forgotten but what is redundant";
+}
+
 TEST(SparseSlam, LocalisesInASavedMapAndLeavesItAlone) {
   StageTimes times;
   const auto& frames = walkingFrames();

@@ -1,0 +1,219 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Takes the camera's sight away in many ways and measures how the system comes back.
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "semantic_vslam/core/common/arguments.h"
+#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/eval/fault_injection.h"
+#include "semantic_vslam/core/eval/trajectory_error.h"
+#include "semantic_vslam/core/io/json_writer.h"
+#include "semantic_vslam/core/io/tum_sequence.h"
+#include "semantic_vslam/core/pipeline/slam_system.h"
+
+namespace {
+
+using namespace semantic_vslam;
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* kUsage =
+    "usage: measure_recovery SEQUENCE_DIR --camera FILE [options]\n"
+    "Plays a TUM folder with cuts of 1 to 3 s (black images or missing frames), with the lens covered from the middle "
+    "on,\n"
+    "and in its own saved map; prints what became of it and, as the last line, one JSON object.\n"
+    "  --runs N             runs with cuts, five cuts each, run i drawn by seed i (10)\n"
+    "  --starts N           starts in the saved map, spread over the first half of the recording (5)\n"
+    "  --background         map upkeep on its worker, frames as fast as they come (not deterministic)\n"
+    "  --set KEY=VALUE      a key of the configuration; may be repeated\n";
+
+constexpr double kFps = 30.0;
+constexpr int kMostFramesNeeded = 10;
+constexpr double kWrongM = 0.05;
+
+struct Setup {
+  std::string sequence;
+  std::shared_ptr<const CameraModel> camera;
+  SystemConfig config;
+  SlamSystem::Mode mode = SlamSystem::Mode::kSynchronous;
+};
+
+double secondsSince(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+/// Gives all frames of a source to the system. @return what it said of each
+std::vector<ToldPose> play(FrameSource& source, SlamSystem& system) {
+  std::vector<ToldPose> told;
+  while (const auto frame = source.next()) {
+    const StepResult step = system.step(*frame);
+    told.push_back({frame->index, frame->stamp, step.tracking.state, step.T_world_camera});
+  }
+  return told;
+}
+
+struct CutsResult {
+  int cuts = 0, recovered = 0, wrong = 0;
+  std::vector<double> ate_m;  ///< of each run's trajectory
+};
+
+void playCuts(const Setup& setup, std::uint64_t seed, CutsResult& result) {
+  TumSequence recording(setup.sequence, setup.camera);
+  const std::vector<Cut> cuts = drawCuts(recording.size(), kFps, CutPlan(), seed);
+  CutSource source(recording, cuts);
+  SlamSystem system(setup.config, setup.mode);
+  const std::vector<ToldPose> told = play(source, system);
+  system.finish();
+  for (const Recovery& recovery : scoreRecovery(cuts, told, source.groundTruth())) {
+    const bool recovered = recovery.frames_needed > 0 && recovery.frames_needed <= kMostFramesNeeded;
+    const bool wrong = recovery.worst_error_m > kWrongM;
+    ++result.cuts;
+    result.recovered += recovered ? 1 : 0;
+    result.wrong += wrong ? 1 : 0;
+    std::printf("run %2llu  %-7s  frames %3llu to %3llu  back after %3d frames  worst error %.3f m%s%s\n",
+                static_cast<unsigned long long>(seed), cutName(recovery.cut.kind),
+                static_cast<unsigned long long>(recovery.cut.begin), static_cast<unsigned long long>(recovery.cut.end),
+                recovery.frames_needed, recovery.worst_error_m, recovered ? "" : "  LATE", wrong ? "  WRONG" : "");
+  }
+  result.ate_m.push_back(absoluteTrajectoryError(source.groundTruth(), system.slam().trajectory()).translation_m.rmse);
+  std::printf("run %2llu  ATE %.4f m\n", static_cast<unsigned long long>(seed), result.ate_m.back());
+  std::fflush(stdout);
+}
+
+/// The lens is covered at the middle and stays so. @return whether LOST is told at the end and the map is what it was
+bool coverForGood(const Setup& setup) {
+  TumSequence recording(setup.sequence, setup.camera);
+  const std::uint64_t middle = recording.size() / 2;
+  CutSource source(recording, {{middle, recording.size(), Cut::Kind::kBlack}});
+  SlamSystem system(setup.config, setup.mode);
+  std::size_t keyframes = 0, landmarks = 0;
+  TrackingState state = TrackingState::kInitialising;
+  while (const auto frame = source.next()) {
+    state = system.step(*frame).tracking.state;
+    if (frame->index >= middle) continue;
+    keyframes = system.slam().keyframeCount();
+    landmarks = system.slam().landmarkCount();
+  }
+  std::printf("covered for good: state %s, keyframes %zu -> %zu, landmarks %zu -> %zu\n", stateName(state), keyframes,
+              system.slam().keyframeCount(), landmarks, system.slam().landmarkCount());
+  const bool kept = system.slam().keyframeCount() == keyframes && system.slam().landmarkCount() == landmarks;
+  return state == TrackingState::kLost && kept;
+}
+
+std::string bytesOf(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+struct SavedMapResult {
+  std::vector<double> frames_needed, ate_m;
+  bool unchanged = true;
+  double start_s = 0.0;  ///< opening the system and the map
+};
+
+void localiseFrom(const Setup& setup, const std::string& map_file, std::size_t first, SavedMapResult& result) {
+  TumSequence recording(setup.sequence, setup.camera);
+  recording.skip(first);
+  SparseSlam slam(setup.config.slam, setup.mode);
+  slam.loadMap(map_file);
+  slam.setLocalizationOnly(true);
+  MotionDetector motion(setup.config.motion);
+  StageTimes times;
+  int needed = -1, given = 0;
+  std::vector<TimedPose> online;
+  while (const auto frame = recording.next()) {
+    ++given;
+    const SparseStep step = slam.step(*frame, motion.detect(*frame).dynamic, times);
+    if (step.tracking.state != TrackingState::kOk) continue;
+    if (needed < 0) needed = given;
+    online.push_back({frame->stamp, step.tracking.T_camera_world.inverse()});
+  }
+  const std::string after = map_file + ".after";
+  slam.saveMap(after);
+  result.unchanged = result.unchanged && bytesOf(map_file) == bytesOf(after);
+  fs::remove(after);
+  result.frames_needed.push_back(needed);
+  result.ate_m.push_back(absoluteTrajectoryError(recording.groundTruth(), online).translation_m.rmse);
+  std::printf("saved map from frame %3zu: posed after %d frames, %zu of %d posed, ATE %.4f m\n", first, needed,
+              online.size(), given, result.ate_m.back());
+  std::fflush(stdout);
+}
+
+SavedMapResult localiseInSavedMap(const Setup& setup, std::size_t starts) {
+  const std::string map_file = (fs::temp_directory_path() / "measure_recovery.map").string();
+  std::size_t frames = 0;
+  {
+    TumSequence recording(setup.sequence, setup.camera);
+    frames = recording.size();
+    SlamSystem system(setup.config, setup.mode);
+    play(recording, system);
+    system.finish();
+    system.slam().saveMap(map_file);
+  }
+  SavedMapResult result;
+  const auto begin = Clock::now();
+  {
+    SlamSystem system(setup.config, SlamSystem::Mode::kBackground);
+    SparseSlam slam(setup.config.slam, setup.mode);
+    slam.loadMap(map_file);
+    result.start_s = secondsSince(begin);
+  }
+  for (std::size_t i = 0; i < starts; ++i) localiseFrom(setup, map_file, (i + 1) * frames / (2 * starts), result);
+  fs::remove(map_file);
+  return result;
+}
+
+int run(const Arguments& arguments) {
+  Setup setup;
+  setup.sequence = arguments.positional()[0];
+  const auto camera_file = arguments.value("--camera");
+  if (!camera_file) throw UsageError("--camera FILE is missing (cfg/cameras/*.yaml)");
+  setup.camera = std::make_shared<CameraModel>(loadCameraFile(*camera_file));
+  setup.config.dense.enabled = false;  // has no part in where the camera is
+  for (const std::string& assignment : arguments.values("--set")) {
+    const std::size_t equals = assignment.find('=');
+    if (equals == std::string::npos) throw UsageError("--set " + assignment + ": expected KEY=VALUE");
+    setConfig(setup.config, assignment.substr(0, equals), assignment.substr(equals + 1));
+  }
+  if (arguments.has("--background")) setup.mode = SlamSystem::Mode::kBackground;
+
+  CutsResult cuts;
+  const std::size_t runs = arguments.count("--runs", 10), starts = arguments.count("--starts", 5);
+  for (std::size_t i = 1; i <= runs; ++i) playCuts(setup, i, cuts);
+  const bool lost_and_kept = coverForGood(setup);
+  const SavedMapResult saved = starts > 0 ? localiseInSavedMap(setup, starts) : SavedMapResult();
+
+  JsonWriter json;
+  json.beginObject("cuts");
+  json.field("count", cuts.cuts);
+  json.field("back_within_10_frames", cuts.recovered);
+  json.field("wrong_place", cuts.wrong);
+  json.field("ate_m", cuts.ate_m);
+  json.endObject();
+  json.field("covered_for_good_is_lost_and_keeps_map", lost_and_kept);
+  json.beginObject("saved_map");
+  json.field("frames_needed", saved.frames_needed);
+  json.field("ate_m", saved.ate_m);
+  json.field("bytes_unchanged", saved.unchanged);
+  json.field("start_s", saved.start_s);
+  json.endObject();
+  std::fputs(json.finish().c_str(), stdout);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return runTool(argc, argv, kUsage, [&] {
+    cv::setNumThreads(1);  // sums are added in one order
+    return run(Arguments(argc, argv, {"--camera", "--runs", "--starts", "--set"}, {"--background"}, 1));
+  });
+}

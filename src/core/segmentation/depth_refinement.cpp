@@ -8,7 +8,9 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <vector>
 
+#include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/segmentation/connected_regions.h"
 
 namespace semantic_vslam {
@@ -30,7 +32,8 @@ float squaredDistance(const cv::Vec3f& a, const cv::Vec3f& b) {
 
 /// One connected mask: its pixels, where it is grown from and how far it may step.
 struct Mask {
-  std::vector<int> pixels;  ///< row * width + column, in raster order
+  const int* pixels = nullptr;  ///< row * width + column, in raster order
+  std::size_t size_px = 0;
   MaskMoments moments;
   int seed = -1;                         ///< pixel; -1: the mask has no depth
   float squared_threshold_m2 = 0.0F;     ///< T^2 of eq. (4) at the reference depth
@@ -38,9 +41,18 @@ struct Mask {
 };
 
 /// Collects the masks' pixels and computes the 3-D points of all of them; other points stay undefined.
-std::vector<Mask> collectMasks(const ConnectedRegions& masks, const RgbdFrame& frame, cv::Mat3f& points_m) {
+/// @param pixels, points_m  memory for the result
+std::vector<Mask> collectMasks(const ConnectedRegions& masks, const RgbdFrame& frame, std::vector<int>& pixels,
+                               cv::Mat3f& points_m) {
+  std::vector<int*> next(masks.count);
   std::vector<Mask> collected(masks.count);
-  for (int m = 0; m < masks.count; ++m) collected[m].pixels.reserve(masks.size_px[m]);
+  pixels.resize(std::accumulate(masks.size_px.begin(), masks.size_px.end(), std::size_t{0}));
+  int* first = pixels.data();
+  for (int m = 0; m < masks.count; ++m) {
+    collected[m].pixels = next[m] = first;
+    collected[m].size_px = masks.size_px[m];
+    first += masks.size_px[m];
+  }
   points_m.create(masks.id.size());
   for (int v = 0, i = 0; v < masks.id.rows; ++v) {
     const int* id = masks.id[v];
@@ -49,7 +61,7 @@ std::vector<Mask> collectMasks(const ConnectedRegions& masks, const RgbdFrame& f
     cv::Vec3f* point_m = points_m[v];
     for (int u = 0; u < masks.id.cols; ++u, ++i) {
       if (id[u] < 0) continue;
-      collected[id[u]].pixels.push_back(i);
+      *next[id[u]]++ = i;
       collected[id[u]].moments.add({u, v});
       point_m[u] = {ray[u][0] * depth_m[u], ray[u][1] * depth_m[u], depth_m[u]};
     }
@@ -64,7 +76,8 @@ int findSeed(const Mask& mask, const ConnectedRegions& masks, int mask_id, const
   if (masks.id(at) == mask_id && points_m(at)[2] > 0.0F) return at.y * masks.id.cols + at.x;
   int nearest = -1;
   double nearest_squared_px = std::numeric_limits<double>::infinity();
-  for (const int i : mask.pixels) {
+  for (std::size_t k = 0; k < mask.size_px; ++k) {
+    const int i = mask.pixels[k];
     if (points_m.ptr<cv::Vec3f>()[i][2] == 0.0F) continue;
     const double dx = i % masks.id.cols - centroid.x, dy = i / masks.id.cols - centroid.y;
     if (dx * dx + dy * dy < nearest_squared_px) {
@@ -79,7 +92,7 @@ int findSeed(const Mask& mask, const ConnectedRegions& masks, int mask_id, const
 float typicalDepth(const Mask& mask, const cv::Mat3f& points_m) {
   constexpr std::size_t kPixels = 255;
   std::vector<float> depths;
-  for (std::size_t k = 0; k < mask.pixels.size(); k += 1 + mask.pixels.size() / kPixels) {
+  for (std::size_t k = 0; k < mask.size_px; k += 1 + mask.size_px / kPixels) {
     const float z = points_m.ptr<cv::Vec3f>()[mask.pixels[k]][2];
     if (z > 0.0F) depths.push_back(z);
   }
@@ -91,30 +104,108 @@ void prepareGrowth(Mask& mask, const ConnectedRegions& masks, int mask_id, const
   mask.seed = findSeed(mask, masks, mask_id, points_m);
   if (mask.seed < 0) return;
   Rng rng(static_cast<std::uint64_t>(config.seed));
-  const double rho_m =
-      neighbourDistance(masks.id, mask_id, mask.pixels, points_m, config.samples, config.average == "median", rng);
+  const double rho_m = neighbourDistance(masks.id, mask_id, mask.pixels, mask.size_px, points_m, config.samples,
+                                         config.average == "median", rng);
   const double threshold_m = rho_m > 0.0 ? config.epsilon * rho_m : std::numeric_limits<double>::infinity();  // eq. (4)
   mask.squared_threshold_m2 = static_cast<float>(threshold_m * threshold_m);
   mask.inverse_reference_depth = 1.0F / typicalDepth(mask, points_m);
 }
 
-/// Splits the masks into pieces that growth does not cross: surfaces without a step of T or more, and holes.
-/// All growths at once: what a seed reaches is the piece it lies in.
-ConnectedRegions splitMasks(const ConnectedRegions& masks, const std::vector<Mask>& prepared,
-                            const cv::Mat3f& points_m) {
-  const int* mask_of = masks.id.ptr<int>();
-  const auto* point_m = points_m.ptr<cv::Vec3f>();
-  const auto joined = [&](int a, int b) {
-    if (mask_of[a] != mask_of[b]) return false;
-    const float za = point_m[a][2], zb = point_m[b][2];
-    if (za == 0.0F || zb == 0.0F) return za == zb;
-    // Pixels of a farther part lie farther apart: the threshold grows with them.
-    const Mask& mask = prepared[mask_of[a]];
-    const float farther = std::max(1.0F, std::min(za, zb) * mask.inverse_reference_depth);
-    return squaredDistance(point_m[a], point_m[b]) < mask.squared_threshold_m2 * farther * farther;
+/// Whether growth steps from one pixel of a mask to a neighbouring one, and whether one stands clearly behind another.
+class Steps {
+ public:
+  Steps(const ConnectedRegions& masks, const std::vector<Mask>& prepared, const cv::Mat3f& points_m)
+      : mask_of_(masks.id.ptr<int>()), prepared_(prepared), point_m_(points_m.ptr<cv::Vec3f>()) {}
+
+  bool hasDepth(int i) const { return point_m_[i][2] > 0.0F; }
+  bool sameMask(int a, int b) const { return mask_of_[a] == mask_of_[b]; }
+
+  /// Both in one mask, and both holes or closer than T.
+  bool joined(int a, int b) const {
+    if (!sameMask(a, b)) return false;
+    if (!hasDepth(a) || !hasDepth(b)) return hasDepth(a) == hasDepth(b);
+    return isBelow(squaredDistance(point_m_[a], point_m_[b]), 1.0F, a, b);
+  }
+  /// @return the one of two pixels with depth that another surface hides partly; -1 if there is no such step.
+  int behind(int a, int b) const {
+    constexpr float kClearSteps = 4.0F;  // several T: noise does not look like an edge
+    const float za = point_m_[a][2], zb = point_m_[b][2];
+    if (isBelow((za - zb) * (za - zb), kClearSteps, a, b)) return -1;
+    return za > zb ? a : b;
+  }
+
+ private:
+  /// Whether a distance is below T times `steps`. Pixels of a farther part lie farther apart: T grows with them.
+  bool isBelow(float squared_m2, float steps, int a, int b) const {
+    const Mask& mask = prepared_[mask_of_[a]];
+    const float least_m2 = steps * steps * mask.squared_threshold_m2;
+    if (squared_m2 < least_m2) return true;
+    const float farther = std::min(point_m_[a][2], point_m_[b][2]) * mask.inverse_reference_depth;
+    return squared_m2 < farther * farther * least_m2;
+  }
+
+  const int* mask_of_;
+  const std::vector<Mask>& prepared_;
+  const cv::Vec3f* point_m_;
+};
+
+/// Distance from some pixels on the way that growth takes, px in four directions, up to a limit; 255 beyond it.
+void growthDistance(std::vector<int> front, const Steps& steps, int limit_px, cv::Mat1b& distance) {
+  const int width = distance.cols, height = distance.rows;
+  distance.setTo(255);
+  std::uint8_t* distance_of = distance.ptr<std::uint8_t>();
+  for (const int i : front) distance_of[i] = 0;
+  std::vector<int> next;
+  for (int d = 1; d <= limit_px && !front.empty(); ++d) {
+    next.clear();
+    const auto visit = [&](int from, int to) {
+      if (distance_of[to] != 255 || !steps.joined(from, to)) return;
+      distance_of[to] = static_cast<std::uint8_t>(d);
+      next.push_back(to);
+    };
+    for (const int i : front) {
+      const int u = i % width, v = i / width;
+      if (u > 0) visit(i, i - 1);
+      if (u + 1 < width) visit(i, i + 1);
+      if (v > 0) visit(i, i - width);
+      if (v + 1 < height) visit(i, i + width);
+    }
+    std::swap(front, next);
+  }
+}
+
+/// What a mask that is too large shows of the background: bands between a step, on whose far side they lie, and the
+/// mask's border. Growth reaches them where the object touches what it stands on; they are not the object for all that.
+/// @param bands  set to 255 on such bands of up to width_px; `scratch` is memory
+void findBands(const ConnectedRegions& masks, const std::vector<Mask>& prepared, const Steps& steps, int width_px,
+               cv::Mat1b& bands, cv::Mat1b& scratch) {
+  const int width = masks.id.cols, height = masks.id.rows;
+  std::vector<int> border, hidden, last_in_column(width, -1);
+  const auto compare = [&](int before, int now) {  // both have depth; holes between them are looked across
+    if (before < 0 || !steps.sameMask(before, now)) return;
+    const int behind = steps.behind(before, now);
+    if (behind >= 0) hidden.push_back(behind);
   };
-  return connectRegions(
-      masks.id.size(), [mask_of](int i) { return mask_of[i] >= 0; }, joined);
+  const int* id = masks.id.ptr<int>();
+  for (int v = 0, i = 0; v < height; ++v) {
+    int last_in_row = -1;
+    for (int u = 0; u < width; ++u, ++i) {
+      if (id[i] < 0 || prepared[id[i]].seed < 0) continue;
+      const bool on_border = (u > 0 && id[i - 1] != id[i]) || (u + 1 < width && id[i + 1] != id[i]) ||
+                             (v > 0 && id[i - width] != id[i]) || (v + 1 < height && id[i + width] != id[i]);
+      if (on_border) border.push_back(i);
+      if (!steps.hasDepth(i)) continue;
+      compare(last_in_row, i);
+      compare(last_in_column[u], i);
+      last_in_row = last_in_column[u] = i;
+    }
+  }
+  bands.create(masks.id.size());
+  scratch.create(masks.id.size());
+  growthDistance(std::move(border), steps, width_px, bands);
+  growthDistance(std::move(hidden), steps, width_px, scratch);
+  cv::add(bands, scratch, scratch);  // saturates: what one of them does not reach stays 255
+  cv::compare(scratch, width_px, bands, cv::CMP_LT);
 }
 
 /// A piece of a mask: one depth-continuous surface, or one hole.
@@ -175,42 +266,52 @@ std::vector<int> mainPieces(const std::vector<Mask>& masks, const std::vector<Pi
   return main;
 }
 
+bool near(const Piece& piece, const Piece& main, const RefinementConfig& config) {
+  return std::abs(piece.depthM() - main.depthM()) <= config.object_depth_m;
+}
+
 void keepSurfaces(std::vector<Piece>& pieces, const std::vector<int>& main, const std::vector<Mask>& masks,
                   const RefinementConfig& config) {
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     Piece& piece = pieces[k];
     const int main_piece = main[piece.mask_id];
     if (piece.hole || main_piece < 0) continue;
-    const bool large =
-        config.min_region_share < 1.0 &&
-        piece.size_px >= config.min_region_share * static_cast<double>(masks[piece.mask_id].pixels.size());
+    const bool large = config.min_region_share < 1.0 &&
+                       piece.size_px >= config.min_region_share * static_cast<double>(masks[piece.mask_id].size_px);
     const bool solid = piece.thicknessPx() >= config.min_thickness_px;
-    const bool near = std::abs(piece.depthM() - pieces[main_piece].depthM()) <= config.object_depth_m;
-    piece.keep = static_cast<int>(k) == main_piece || (large && solid && (near || piece.person));
+    piece.keep = static_cast<int>(k) == main_piece ||
+                 (large && solid && (piece.person || near(piece, pieces[main_piece], config)));
   }
 }
 
-/// A hole stays if most of the pixels around it do. What lies outside the mask counts against it: sensors lose depth
-/// beside an object, in its shadow, as well as on it.
-void keepEnclosedHoles(std::vector<Piece>& pieces, const std::vector<int>& main, const std::vector<Mask>& masks,
-                       const ConnectedRegions& parts) {
+/// What the growths left out stays if most of the pixels around it stay: holes, and specks of noise at about the
+/// object's depth, but not the wall seen through the crook of an arm. What lies outside the mask counts against it:
+/// sensors lose depth beside an object, in its shadow, as well as on it.
+void keepEnclosed(std::vector<Piece>& pieces, const std::vector<int>& main, const std::vector<Mask>& masks,
+                  const ConnectedRegions& parts, const cv::Mat1b& bands, const RefinementConfig& config) {
   const cv::Rect image({0, 0}, parts.id.size());
   std::vector<int> balance(pieces.size(), 0);
   for (const Mask& mask : masks) {
-    for (const int i : mask.pixels) {
-      const int hole = parts.id.ptr<int>()[i];
-      if (!pieces[hole].hole) continue;
+    for (std::size_t k = 0; k < mask.size_px; ++k) {
+      const int i = mask.pixels[k], part = parts.id.ptr<int>()[i];
+      if (pieces[part].keep) continue;
       const cv::Point p(i % image.width, i / image.width);
       for (const cv::Point& step : kNeighbours) {
         if (!image.contains(p + step)) continue;
-        const int part = parts.id(p + step);
-        if (part != hole) balance[hole] += part >= 0 && pieces[part].keep ? 1 : -1;
+        const int around = parts.id(p + step);
+        if (around == part) continue;
+        balance[part] += around >= 0 && pieces[around].keep && bands(p + step) == 0 ? 1 : -1;
       }
     }
   }
   for (std::size_t k = 0; k < pieces.size(); ++k) {
-    const bool no_depth_at_all = main[pieces[k].mask_id] < 0;
-    if (pieces[k].hole) pieces[k].keep = no_depth_at_all || balance[k] > 0;
+    Piece& piece = pieces[k];
+    const int main_piece = main[piece.mask_id];
+    if (piece.keep || main_piece < 0) {
+      piece.keep = true;  // a mask without any depth stays whole
+    } else {
+      piece.keep = balance[k] > 0 && (piece.hole || near(piece, pieces[main_piece], config));
+    }
   }
 }
 
@@ -234,12 +335,12 @@ double trimmedNeighbourMean(const cv::Mat1i& mask, int mask_id, const cv::Point&
 
 }  // namespace
 
-double neighbourDistance(const cv::Mat1i& mask, int mask_id, const std::vector<int>& pixels, const cv::Mat3f& points_m,
-                         int samples, bool median, Rng& rng) {
+double neighbourDistance(const cv::Mat1i& mask, int mask_id, const int* pixels, std::size_t count,
+                         const cv::Mat3f& points_m, int samples, bool median, Rng& rng) {
   constexpr int kDrawsPerSample = 8;  // pixels without depth are drawn in vain; a mask may have few with
   std::vector<double> means;
   for (int draw = 0; draw < kDrawsPerSample * samples && static_cast<int>(means.size()) < samples; ++draw) {
-    const int i = pixels[rng.below(pixels.size())];
+    const int i = pixels[rng.below(count)];
     const cv::Point p(i % mask.cols, i / mask.cols);
     if (points_m(p)[2] == 0.0F) continue;
     const double mean = trimmedNeighbourMean(mask, mask_id, p, points_m);
@@ -250,31 +351,57 @@ double neighbourDistance(const cv::Mat1i& mask, int mask_id, const std::vector<i
   return std::accumulate(means.begin(), means.end(), 0.0) / static_cast<double>(means.size());  // eq. (3)
 }
 
-cv::Mat1b refineOnDepth(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame,
-                        const RefinementConfig& config) {
-  assert(labels.size() == frame.depth_m.size() && labels.isContinuous());
-  if (!config.enabled) return labels.clone();
-  const std::uint8_t* label = labels.ptr<std::uint8_t>();
-  const ConnectedRegions masks = connectRegions(
-      labels.size(), [label](int i) { return label[i] != 0; }, [label](int a, int b) { return label[a] == label[b]; });
+struct DepthRefiner::Buffers {
+  ConnectedRegions masks, parts;
+  std::vector<int> pixels;
   cv::Mat3f points_m;
-  std::vector<Mask> prepared = collectMasks(masks, frame, points_m);
-  for (int m = 0; m < masks.count; ++m) prepareGrowth(prepared[m], masks, m, points_m, config);
-  const ConnectedRegions parts = splitMasks(masks, prepared, points_m);
+  cv::Mat1b bands, scratch;
+};
+
+DepthRefiner::DepthRefiner(const RefinementConfig& config) : config_(config), buffers_(std::make_unique<Buffers>()) {
+  validateConfig(config_);
+}
+DepthRefiner::~DepthRefiner() = default;
+DepthRefiner::DepthRefiner(DepthRefiner&&) noexcept = default;
+DepthRefiner& DepthRefiner::operator=(DepthRefiner&&) noexcept = default;
+
+cv::Mat1b DepthRefiner::refine(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame) {
+  assert(labels.size() == frame.depth_m.size() && labels.isContinuous());
+  if (!config_.enabled) return labels.clone();
+  auto& [masks, parts, pixels, points_m, bands, scratch] = *buffers_;
+  const std::uint8_t* label = labels.ptr<std::uint8_t>();
+  connectRegions(
+      labels.size(), [label](int i) { return label[i] != 0; }, [label](int a, int b) { return label[a] == label[b]; },
+      masks);
+  std::vector<Mask> grown = collectMasks(masks, frame, pixels, points_m);
+  for (int m = 0; m < masks.count; ++m) prepareGrowth(grown[m], masks, m, points_m, config_);
+  // All growths at once: what a seed reaches is the piece it lies in.
+  const Steps steps(masks, grown, points_m);
+  const auto in_mask = [id = masks.id.ptr<int>()](int i) { return id[i] >= 0; };
+  connectRegions(
+      labels.size(), in_mask, [&steps](int a, int b) { return steps.joined(a, b); }, parts);
+  findBands(masks, grown, steps, config_.band_px, bands, scratch);
 
   std::vector<Piece> pieces = describePieces(parts, masks, points_m, labels, label_set);
-  const std::vector<int> main = mainPieces(prepared, pieces, parts);
-  keepSurfaces(pieces, main, prepared, config);
-  keepEnclosedHoles(pieces, main, prepared, parts);
+  const std::vector<int> main = mainPieces(grown, pieces, parts);
+  keepSurfaces(pieces, main, grown, config_);
+  keepEnclosed(pieces, main, grown, parts, bands, config_);
 
   cv::Mat1b refined(labels.size(), std::uint8_t{0});
-  for (const Mask& mask : prepared) {
-    if (static_cast<int>(mask.pixels.size()) < config.min_mask_px) continue;
-    for (const int i : mask.pixels) {
-      if (pieces[parts.id.ptr<int>()[i]].keep) refined.ptr<std::uint8_t>()[i] = label[i];
+  for (const Mask& mask : grown) {
+    if (static_cast<int>(mask.size_px) < config_.min_mask_px) continue;
+    for (std::size_t k = 0; k < mask.size_px; ++k) {
+      const int i = mask.pixels[k];
+      const bool keep = pieces[parts.id.ptr<int>()[i]].keep && bands.ptr<std::uint8_t>()[i] == 0;
+      if (keep) refined.ptr<std::uint8_t>()[i] = label[i];
     }
   }
   return refined;
+}
+
+cv::Mat1b refineOnDepth(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame,
+                        const RefinementConfig& config) {
+  return DepthRefiner(config).refine(labels, label_set, frame);
 }
 
 }  // namespace semantic_vslam

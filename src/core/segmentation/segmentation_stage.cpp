@@ -26,15 +26,15 @@ SegmentationStage::SegmentationStage(const SegmentationConfig& config)
     : SegmentationStage(config, openNetwork(config)) {}
 
 SegmentationStage::SegmentationStage(const SegmentationConfig& config, std::unique_ptr<Segmenter> segmenter)
-    : config_(config), segmenter_(std::move(segmenter)) {
-  validateConfig(config_);
+    : segmenter_(std::move(segmenter)), refiner_(config.refinement) {
+  validateConfig(config);
   if (segmenter_ != nullptr) labels_ = segmenter_->labels();
 }
 
 cv::Mat1b SegmentationStage::process(const RgbdFrame& frame) {
   if (segmenter_ == nullptr) return {};
   try {
-    return refineOnDepth(segmenter_->segment(frame.bgr), labels_, frame, config_.refinement);
+    return refiner_.refine(segmenter_->segment(frame.bgr), labels_, frame);
   } catch (const ModelError& error) {
     logError(std::string(error.what()) + "; going on without labels");
     segmenter_.reset();

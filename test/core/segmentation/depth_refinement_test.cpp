@@ -11,6 +11,8 @@ namespace {
 
 constexpr std::uint8_t kPerson = 1, kChair = 2;
 const cv::Size kSize(120, 100);
+// Where the outline of something near meets the mask's border, the band's cut takes a triangle of 12 px with it.
+constexpr int kCornerPx = 12 * 13 / 2;
 const cv::Rect kObject(40, 20, 40, 60);
 
 cv::Mat1f wallWith(const cv::Rect& object, float wall_m = 3.0F, float object_m = 1.0F) {
@@ -39,6 +41,7 @@ RefinementConfig asPublished() {
   RefinementConfig config;
   config.average = "mean";
   config.min_region_share = 1.0;
+  config.band_px = 0;
   return config;
 }
 
@@ -61,7 +64,7 @@ class NeighbourDistance : public testing::Test {
   }
   double measure(int samples = 1, bool median = false) {
     Rng rng(1);
-    return neighbourDistance(mask_, 0, pixels_, points_m_, samples, median, rng);
+    return neighbourDistance(mask_, 0, pixels_.data(), pixels_.size(), points_m_, samples, median, rng);
   }
   cv::Mat1i mask_;
   cv::Mat3f points_m_;
@@ -136,7 +139,7 @@ TEST(RefineOnDepth, KeepsAnArmBeforeTheBody) {
   cv::Mat1f depth = wallWith(kObject);
   depth(arm).setTo(0.7F);
   const cv::Mat1b mask = labelled(kObject);
-  EXPECT_EQ(differing(refine(mask, depth), mask), 0);
+  EXPECT_LE(differing(refine(mask, depth), mask), 4 * kCornerPx);
   EXPECT_EQ(differing(refine(mask, depth, asPublished()), labelled(arm)), 0);  // its only seed falls on the arm
 }
 
@@ -154,7 +157,7 @@ TEST(RefineOnDepth, KeepsTwoOverlappingPeopleButNotTheWallBehindAChair) {
   cv::Mat1f depth(kSize, 4.0F);
   depth(left).setTo(1.0F);
   depth(right).setTo(2.5F);
-  EXPECT_EQ(differing(refine(labelled(left | right), depth), labelled(left | right)), 0);
+  EXPECT_LE(differing(refine(labelled(left | right), depth), labelled(left | right)), 2 * kCornerPx);
   EXPECT_EQ(differing(refine(labelled(left | right, kChair), depth), labelled(left, kChair)), 0);
 }
 
@@ -167,6 +170,33 @@ TEST(RefineOnDepth, RefinesEveryMaskByItself) {
   labels(grown(chair, 5)).setTo(kChair);
   expected(chair).setTo(kChair);
   EXPECT_EQ(differing(refine(labels, depth), expected), 0);
+}
+
+/// A post that stands on a floor; both meet in the picture's lower part, and the floor meets the wall behind.
+TEST(RefineOnDepth, CutsTheBandThatGrowthReachesOverTheFloor) {
+  cv::Mat1f depth(kSize, 5.0F);
+  for (int v = 30; v < kSize.height; ++v) depth.row(v).setTo(5.0F - 0.05F * static_cast<float>(v - 30));
+  const cv::Rect post(50, 10, 20, 60);
+  depth(post).setTo(depth(69, 0));  // as far as the floor where it stands
+  const cv::Mat1b mask = labelled(grown(post, 8)), truth = labelled(post);
+  RefinementConfig with;
+  with.epsilon = 5.0;  // joins the rows of the floor
+  RefinementConfig without = with;
+  without.band_px = 0;
+  const cv::Rect beside(post.x - 8, post.y, 8, 40);
+  EXPECT_GT(cv::countNonZero(refine(mask, depth, without)(beside)), beside.area() / 2);
+  EXPECT_EQ(cv::countNonZero(refine(mask, depth, with)(beside)), 0);
+  EXPECT_EQ(cv::countNonZero(refine(mask, depth, with) & truth), post.area());
+}
+
+TEST(DepthRefiner, ForgetsOneFrameBeforeTheNext) {
+  DepthRefiner refiner({});
+  const RgbdFrame first = frameOf(wallWith(kObject)), second = frameOf(wallWith({5, 5, 30, 30}));
+  const cv::Mat1b labels = labelled(grown({5, 5, 30, 30}, 4));
+  const cv::Mat1b alone = refiner.refine(labels, officeLabels(), second);
+  refiner.refine(labelled(grown(kObject, 8)), officeLabels(), first);
+  EXPECT_EQ(differing(refiner.refine(labels, officeLabels(), second), alone), 0);
+  EXPECT_THROW(DepthRefiner(RefinementConfig{true, -1.0}), ConfigError);
 }
 
 TEST(RefineOnDepth, LeavesAMaskWithoutDepthAsItIs) {

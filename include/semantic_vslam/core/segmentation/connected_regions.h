@@ -18,11 +18,13 @@ struct ConnectedRegions {
 /// Splits the pixels that `active(index)` names into 8-connected regions of pixels that `joined(a, b)` puts together;
 /// indices are row * width + column. Regions are numbered in the order of their first pixel. Union-find over one raster
 /// scan: linear in the number of pixels.
+/// @param regions  result; its memory is used again if it is large enough
 template <class Active, class Joined>
-ConnectedRegions connectRegions(const cv::Size& size, const Active& active, const Joined& joined) {
+void connectRegions(const cv::Size& size, const Active& active, const Joined& joined, ConnectedRegions& regions) {
   const int width = size.width;
-  ConnectedRegions regions;
   regions.id.create(size);
+  regions.count = 0;
+  regions.size_px.clear();
   int* parent = regions.id.ptr<int>();  // the forest lives in the result: a pixel's parent never comes after it
   const auto rootOf = [parent](int i) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
@@ -55,6 +57,12 @@ ConnectedRegions connectRegions(const cv::Size& size, const Active& active, cons
       ++regions.size_px[parent[i]];
     }
   }
+}
+
+template <class Active, class Joined>
+ConnectedRegions connectRegions(const cv::Size& size, const Active& active, const Joined& joined) {
+  ConnectedRegions regions;
+  connectRegions(size, active, joined, regions);
   return regions;
 }
 

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <string>
-#include <vector>
 
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/common/rng.h"
@@ -19,6 +20,7 @@ struct RefinementConfig {
   std::string average = "median";
   int seed = 1;
   int min_mask_px = 40;
+  int band_px = 12;
   double min_region_share = 0.02;
   double min_thickness_px = 12.0;
   double object_depth_m = 0.5;
@@ -32,6 +34,10 @@ struct RefinementConfig {
              "eq. (3) over the samples; the mean is as published, the median ignores samples on the object's edge");
     v.field("seed", seed, 0, 1000000000, "of the random samples");
     v.field("min_mask_px", min_mask_px, 0, 100000, "smaller connected masks are dropped as noise of the network, px");
+    v.field(
+        "band_px", band_px, 0, 100,
+        "background between the object's depth edge and the mask's border is cut up to this width, px; 0: only what "
+        "growth does not reach, as published");
     v.field("min_region_share", min_region_share, 0.0, 1.0,
             "regions of a mask beside the seed's are grown too if they hold this share of it; 1: never, as published");
     v.field("min_thickness_px", min_thickness_px, 0.0, 1000.0,
@@ -56,11 +62,11 @@ struct MaskMoments {
 /// Eq. (3): how far apart neighbouring points of an object lie. For each of `samples` random pixels the mean 3-D
 /// distance to its 8 neighbours in the mask, the largest and the smallest left out; of those the mean or the median.
 /// @param mask      height x width; neighbours count where mask equals mask_id
-/// @param pixels    the mask's pixels, row * width + column; not empty
+/// @param pixels    the mask's pixels, row * width + column; `count` of them, at least one
 /// @param points_m  3-D point of each of them; z = 0 where none, and such a pixel is no sample and no neighbour
 /// @return metres; 0 if no sample has three neighbours
-double neighbourDistance(const cv::Mat1i& mask, int mask_id, const std::vector<int>& pixels, const cv::Mat3f& points_m,
-                         int samples, bool median, Rng& rng);
+double neighbourDistance(const cv::Mat1i& mask, int mask_id, const int* pixels, std::size_t count,
+                         const cv::Mat3f& points_m, int samples, bool median, Rng& rng);
 
 /// Cuts every connected mask back to the object it lies on (the paper's table 1). From the mask's centroid, or the
 /// nearest pixel of it with depth, the region grows over 8 neighbours inside the mask while their 3-D distance is below
@@ -70,11 +76,32 @@ double neighbourDistance(const cv::Mat1i& mask, int mask_id, const std::vector<i
 /// - a part that the growth cannot reach (an arm before the body, a person behind a chair's leg) is grown from a seed
 ///   of its own and stays if it is large and thick enough and about as far away (min_region_share, min_thickness_px,
 ///   object_depth_m). If the centroid fell on something small, the mask's largest region takes the seed's place;
+/// - where the object touches the floor, growth goes on over it and around the object: bands between a depth edge, on
+/// its
+///   far side, and the mask's border are cut (band_px);
 /// - T holds at the samples' median depth and grows with depth beyond it, as the pixels' own spacing does;
-/// - pixels without depth stay where most of the pixels around their hole stay; a mask without any depth stays whole.
+/// - holes of the depth, and specks of noise at about the object's depth, stay where most of the pixels around them
+///   stay; a mask without any depth stays whole.
 ///
-/// @param labels  height x width, indices into label_set; @param frame  of the same size
-/// @return refined labels, same size.
+class DepthRefiner {
+ public:
+  /// @throws ConfigError if config is out of range.
+  explicit DepthRefiner(const RefinementConfig& config);
+  ~DepthRefiner();
+  DepthRefiner(DepthRefiner&&) noexcept;
+  DepthRefiner& operator=(DepthRefiner&&) noexcept;
+
+  /// @param labels  height x width, indices into label_set; @param frame  of the same size
+  /// @return refined labels, same size.
+  cv::Mat1b refine(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame);
+
+ private:
+  struct Buffers;  // kept between frames: to fetch fresh memory takes as long as the work itself
+  RefinementConfig config_;
+  std::unique_ptr<Buffers> buffers_;
+};
+
+/// One frame refined by a DepthRefiner of its own.
 cv::Mat1b refineOnDepth(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame,
                         const RefinementConfig& config);
 

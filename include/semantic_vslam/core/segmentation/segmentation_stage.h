@@ -29,8 +29,8 @@ class SegmentationStage {
   cv::Mat1b process(const RgbdFrame& frame);
 
  private:
-  const SegmentationConfig config_;
   std::unique_ptr<Segmenter> segmenter_;
+  DepthRefiner refiner_;
   LabelSet labels_;
 };
 

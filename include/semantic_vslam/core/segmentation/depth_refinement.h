@@ -77,12 +77,10 @@ double neighbourDistance(const cv::Mat1i& mask, int mask_id, const int* pixels, 
 ///   of its own and stays if it is large and thick enough and about as far away (min_region_share, min_thickness_px,
 ///   object_depth_m). If the centroid fell on something small, the mask's largest region takes the seed's place;
 /// - where the object touches the floor, growth goes on over it and around the object: bands between a depth edge, on
-/// its
-///   far side, and the mask's border are cut (band_px);
+///   its far side, and the mask's border are cut (band_px);
 /// - T holds at the samples' median depth and grows with depth beyond it, as the pixels' own spacing does;
 /// - holes of the depth, and specks of noise at about the object's depth, stay where most of the pixels around them
 ///   stay; a mask without any depth stays whole.
-///
 class DepthRefiner {
  public:
   /// @throws ConfigError if config is out of range.

@@ -4,12 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <memory>
 #include <set>
 #include <string>
+#include <thread>
 
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/error.h"
@@ -103,6 +106,44 @@ TEST(SlamSystem, WorkersInTheBackgroundKeepUpAndFinish) {
   EXPECT_GE(result.posed, 58);
   EXPECT_LT(trajectoryError(result), 0.025);
   EXPECT_GT(result.cloud.size(), 10000U);
+}
+
+/// 200 frames, forth and back over the same pictures, while somebody else asks for poses and saves the map: what
+/// nodelets do, and what ThreadSanitizer is to see.
+TEST(SlamSystem, TwoHundredFramesOnWorkersWhileOthersRead) {
+  SlamSystem system(SystemConfig(), SlamSystem::Mode::kBackground);
+  const std::string file = testing::TempDir() + "/two_hundred_frames.map";
+  std::atomic<bool> done{false};
+  std::size_t reads = 0;
+  std::thread reader([&] {
+    while (!done) {
+      if (system.slam().trajectory().empty() || system.slam().keyframePoses().empty()) continue;
+      system.slam().saveMap(file);
+      ++reads;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+  });
+  const std::vector<SyntheticFrame>& frames = walkingFrames();
+  const int last = static_cast<int>(frames.size()) - 1;
+  std::vector<TimedPose> truth;
+  int posed = 0;
+  for (int i = 0; i < 200; ++i) {
+    const int phase = i % (2 * last);
+    const SyntheticFrame& synthetic = frames[static_cast<std::size_t>(phase <= last ? phase : 2 * last - phase)];
+    RgbdFrame frame = synthetic.frame;
+    frame.index = static_cast<std::uint64_t>(i);
+    frame.stamp = Stamp{frames[0].frame.stamp.ns + i * 33333333LL};
+    truth.push_back({frame.stamp, synthetic.T_world_camera});
+    posed += system.step(frame).posed ? 1 : 0;
+  }
+  done = true;
+  reader.join();
+  system.finish();
+  EXPECT_GE(posed, 198);
+  EXPECT_GT(reads, 0U);
+  EXPECT_LT(absoluteTrajectoryError(truth, system.slam().trajectory()).translation_m.rmse, 0.03);
+  SparseSlam restored(SparseSlamConfig(), SparseSlam::Mode::kSynchronous);
+  EXPECT_NO_THROW(restored.loadMap(file)) << "saved while workers changed the map";
 }
 
 /// A network that knows the truth: what it says of an image is looked up by the image itself.

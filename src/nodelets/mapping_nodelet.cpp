@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <nav_msgs/OccupancyGrid.h>
 #include <nodelet/nodelet.h>
-#include <octomap_msgs/Octomap.h>
 #include <semantic_vslam/KeyframePoseArray.h>
 #include <semantic_vslam/KeyframeStamped.h>
 #include <semantic_vslam/LabelInfo.h>
@@ -21,10 +19,10 @@
 
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/dense/dense_mapper.h"
-#include "semantic_vslam/core/dense/map_objects.h"
 #include "semantic_vslam/core/segmentation/dynamic_objects.h"
 #include "semantic_vslam/core/segmentation/segmentation_config.h"
 #include "semantic_vslam/ros/conversions.h"
+#include "semantic_vslam/ros/map_publisher.h"
 #include "semantic_vslam/ros/parameters.h"
 #include "semantic_vslam/ros/rgbd_converter.h"
 #include "semantic_vslam/ros/rgbd_subscriber.h"
@@ -84,15 +82,10 @@ class MappingNodelet final : public nodelet::Nodelet {
 
  private:
   using Task = std::function<void()>;
-  struct Output {
-    ros::Publisher publisher;
-    bool changed;  ///< the map is newer than what was published
-    std::function<void(ros::Publisher&, const std_msgs::Header&)> publish;
-  };
 
   void onInit() override;
   void start();
-  void advertise(ros::NodeHandle nh);
+  void advertiseServices(ros::NodeHandle private_nh);
   void subscribe(ros::NodeHandle nh);
   void report(StageDiagnostics::Status& status);
   void onKeyframe(const KeyframeStampedConstPtr& message);
@@ -105,7 +98,6 @@ class MappingNodelet final : public nodelet::Nodelet {
   void integrate(const KeyframeStamped& keyframe, std::optional<RgbdMessages> messages);
   cv::Mat1b withMovingObjects(const cv::Mat1b& mask, const cv::Mat1b& labels) const;
   void startMap(std::uint32_t map_id);
-  void markChanged();
   void publishMaps();
   void save();
 
@@ -114,7 +106,7 @@ class MappingNodelet final : public nodelet::Nodelet {
   std::optional<DenseMapper> mapper_;       // worker only
   LabelSet label_set_;                      // worker only
   std::uint32_t map_id_ = 0;                // worker only
-  std::vector<Output> outputs_;             // worker only, once started
+  std::optional<MapPublisher> publisher_;   // worker only
   std::unique_ptr<StampedBuffer<RgbdMessages>> frames_;
   StampedBuffer<cv::Mat1b> masks_{90};  // 3 s: longer than labels let a keyframe wait
   StampedBuffer<cv::Mat1b> labels_{10};
@@ -160,41 +152,22 @@ void MappingNodelet::start() {
   mapper_.emplace(config_.dense, label_set_);
   frames_ = std::make_unique<StampedBuffer<RgbdMessages>>(config_.kept_frames);
   diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "mapping", config_.budget_ms);
+  publisher_.emplace(nh, config_.map_frame, config_.objects);
   worker_ = std::make_unique<Worker<Task>>(
       64, QueuePolicy::kBlock, [](const Task& task) { task(); }, WorkerPriority::kKeyframes);
-  advertise(nh);
+  // Services wait for the worker: they get threads of their own, so that images still come in meanwhile.
+  advertiseServices(getMTPrivateNodeHandle());
   subscribe(nh);
   diagnostics_->start(nh, {[this] { return input_->missing(); }, [this] { return worker_->counters(); },
                            [this](StageDiagnostics::Status& status) { report(status); }});
 }
 
-void MappingNodelet::advertise(ros::NodeHandle nh) {
-  const auto add_map = [&](ros::Publisher publisher, auto make) {
-    outputs_.push_back({publisher, false, [make](ros::Publisher& out, const std_msgs::Header& header) {
-                          out.publish(toRos(make(), header));
-                        }});
-  };
-  add_map(nh.advertise<sensor_msgs::PointCloud2>("mapping/semantic_cloud", 1, true),
-          [this] { return mapper_->cloud(); });
-  add_map(nh.advertise<octomap_msgs::Octomap>("mapping/octomap_binary", 1, true),
-          [this] { return mapper_->binaryOctree(); });
-  add_map(nh.advertise<octomap_msgs::Octomap>("mapping/octomap_full", 1, true),
-          [this] { return mapper_->fullOctree(); });
-  outputs_.push_back({nh.advertise<visualization_msgs::MarkerArray>("mapping/objects", 1, true), false,
-                      [this](ros::Publisher& out, const std_msgs::Header& header) {
-                        out.publish(toRos(findObjects(mapper_->cloud(), config_.objects), label_set_, header));
-                      }});
-  // Keyframe poses arrive in the map frame, whose z is up already.
-  add_map(nh.advertise<nav_msgs::OccupancyGrid>("mapping/projected_map", 1, true),
-          [this] { return mapper_->projectedMap(SE3::Identity()); });
-
-  // Services wait for the worker: they get threads of their own, so that images still come in meanwhile.
-  ros::NodeHandle service_nh(getMTPrivateNodeHandle());
-  services_.addTrigger(service_nh, "clear", [this] {
+void MappingNodelet::advertiseServices(ros::NodeHandle private_nh) {
+  services_.addTrigger(private_nh, "clear", [this] {
     runOnWorker([this] { startMap(map_id_); });
     return std::string("the dense map is empty");
   });
-  services_.addTrigger(service_nh, "save", [this] {
+  services_.addTrigger(private_nh, "save", [this] {
     runOnWorker([this] { save(); });
     return "cloud.pcd and map.ot saved in " + config_.output_directory;
   });
@@ -258,7 +231,7 @@ void MappingNodelet::onKeyframePoses(const KeyframePoseArrayConstPtr& message) {
     if (message->map_id != map_id_) startMap(message->map_id);
     const std::size_t rebuilds = mapper_->rebuilds();
     mapper_->updatePoses(fromRos(*message));
-    if (mapper_->rebuilds() != rebuilds) markChanged();
+    if (mapper_->rebuilds() != rebuilds) publisher_->markChanged();
   });
 }
 
@@ -302,7 +275,7 @@ void MappingNodelet::integrate(const KeyframeStamped& keyframe, std::optional<Rg
   const cv::Mat1b label_image = labels.value_or(cv::Mat1b());
   const cv::Mat1b dynamic = withMovingObjects(mask.value_or(cv::Mat1b()), label_image);
   mapper_->add(KeyframeId(keyframe.id), *frame, label_image, dynamic, fromRos(keyframe.pose));
-  markChanged();
+  publisher_->markChanged();
 }
 
 /// Motion as the mask has it, and what eq. (5) removes as a whole: all of a movable object of which enough moves.
@@ -316,29 +289,17 @@ cv::Mat1b MappingNodelet::withMovingObjects(const cv::Mat1b& mask, const cv::Mat
 void MappingNodelet::startMap(std::uint32_t map_id) {
   map_id_ = map_id;
   mapper_.emplace(config_.dense, label_set_);
-  markChanged();
-}
-
-void MappingNodelet::markChanged() {
-  for (Output& output : outputs_) output.changed = true;
+  publisher_->markChanged();
 }
 
 void MappingNodelet::publishMaps() {
   if (mapper_->busy()) {
     mapper_->work();
-    markChanged();
+    publisher_->markChanged();
   }
   keyframes_ = mapper_->keyframes();
   voxels_ = mapper_->voxels();
-  std_msgs::Header header;
-  header.stamp = ros::Time::now();
-  header.frame_id = config_.map_frame;
-  // A map nobody watches is not made, but once somebody does.
-  for (auto& [publisher, changed, publish] : outputs_) {
-    if (!changed || publisher.getNumSubscribers() == 0) continue;
-    changed = false;
-    publish(publisher, header);
-  }
+  publisher_->publish(*mapper_, label_set_);
 }
 
 void MappingNodelet::save() {

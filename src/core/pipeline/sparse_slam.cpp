@@ -14,6 +14,10 @@ namespace {
 // Keyframes come every few frames at most; a worker that is further behind than this makes tracking wait for it.
 constexpr std::size_t kKeyframeQueue = 8;
 
+ClosedLoop recordOf(const Map& map, const LoopClosure& closure) {
+  return {map.keyframe(closure.current)->stamp, map.keyframe(closure.matched)->stamp, closure.T_current_matched};
+}
+
 }  // namespace
 
 SparseSlam::SparseSlam(const SparseSlamConfig& config, Mode mode)
@@ -45,11 +49,11 @@ SparseStep SparseSlam::step(const RgbdFrame& frame, const cv::Mat1b& dynamic, St
   for (const auto& id : {step.first_keyframe, step.keyframe}) {
     if (!id) continue;
     if (mode_ == Mode::kSynchronous) {
-      maintain(*id, times);
+      maintain({*id, frame.index, &times});
     } else {
       ++pending_;
       if (queue_.size() > 0) abort_ba_ = true;  // the worker falls behind: a newer bundle takes over
-      queue_.push({*id, &times});
+      queue_.push({*id, frame.index, &times});
     }
   }
   return step;
@@ -103,16 +107,19 @@ KeyframeId SparseSlam::insertLocked(const TrackedFrame& frame) {
   return id;
 }
 
-void SparseSlam::maintain(KeyframeId keyframe, StageTimes& times) {
+void SparseSlam::maintain(const Upkeep& upkeep) {
   abort_ba_ = false;
   {
-    auto timer = times.scope("local_mapping", keyframe.value());
-    adjustAround(keyframe);
+    auto timer = upkeep.times->scope("local_mapping", upkeep.frame);
+    adjustAround(upkeep.keyframe);
   }
-  if (config_.close_loops) {
-    auto timer = times.scope("loop_closing", keyframe.value());
-    closeLoop(keyframe);
+  if (!config_.close_loops) return;
+  bool closed = false;
+  {
+    auto timer = upkeep.times->scope("loop_closing", upkeep.frame);
+    closed = closeLoop(upkeep.keyframe);
   }
+  if (closed) startAdjustingAll(upkeep);
 }
 
 template <class Change>
@@ -145,14 +152,14 @@ void SparseSlam::adjustAround(KeyframeId keyframe) {
                          });
 }
 
-void SparseSlam::closeLoop(KeyframeId keyframe) {
+bool SparseSlam::closeLoop(KeyframeId keyframe) {
   std::optional<LoopClosure> closure;
   PoseGraphProblem graph;
   {
     std::lock_guard<std::mutex> lock(mutex_);
-    if (!map_.keyframe(keyframe)) return;
+    if (!map_.keyframe(keyframe)) return false;
     closure = loops_.detect(map_, places_, keyframe);
-    if (!closure) return;
+    if (!closure) return false;
     graph = selectLoop(map_, *closure, config_.loop_correction);
   }
   const MapSolution solution = solve(graph, config_.loop_correction.graph, nullptr);
@@ -163,45 +170,66 @@ void SparseSlam::closeLoop(KeyframeId keyframe) {
                        config_.loop_correction);
     });
     loops_.reset();
-    if (!applied) return;
-    ++loop_count_;
+    if (!applied) return false;
+    closed_loops_.push_back(recordOf(map_, *closure));
   }
   logInfo("loop closed: this place was seen before");
-  adjustAll();
+  return true;
 }
 
-void SparseSlam::adjustAll() {
+void SparseSlam::startAdjustingAll(const Upkeep& upkeep) {
+  const auto adjust = [this, upkeep](const std::atomic<bool>& abort) {
+    auto timer = upkeep.times->scope("global_ba", upkeep.frame);
+    adjustAll(abort);
+  };
+  if (mode_ == Mode::kBackground) {
+    global_ba_.start(adjust);
+  } else {
+    adjust(std::atomic<bool>(false));
+  }
+}
+
+void SparseSlam::adjustAll(const std::atomic<bool>& abort) {
   BaProblem problem;
   {
     std::lock_guard<std::mutex> lock(mutex_);
     problem = selectGlobal(map_, config_.tracking.frame.sensor);
   }
-  MapSolution solution = solve(problem, config_.local_ba, &abort_ba_);
+  MapSolution solution = solve(problem, config_.local_ba, &abort);
+  if (abort) return;  // the loop that aborted it starts another one
   std::lock_guard<std::mutex> lock(mutex_);
   carryAlong(map_, solution);
-  changeLocked([&] { return map_.apply(solution, problem.map_version); });
+  // The new version refuses a local adjustment of the map as it was before.
+  if (changeLocked([&] { return map_.apply(solution, problem.map_version); })) map_.bumpVersion();
 }
 
 void SparseSlam::work() {
   while (const auto upkeep = queue_.pop()) {
-    maintain(upkeep->keyframe, *upkeep->times);
+    maintain(*upkeep);
     std::lock_guard<std::mutex> lock(mutex_);
     --pending_;
     idle_.notify_all();
   }
 }
 
-void SparseSlam::finish() {
+void SparseSlam::waitForUpkeep() {
   std::unique_lock<std::mutex> lock(mutex_);
   idle_.wait(lock, [this] { return pending_ == 0; });
 }
 
+void SparseSlam::finish() {
+  waitForUpkeep();
+  global_ba_.wait();
+}
+
 void SparseSlam::reset() {
-  finish();
+  waitForUpkeep();
+  global_ba_.cancel();
   std::lock_guard<std::mutex> lock(mutex_);
   map_.clear();
   places_.clear();
   loops_.reset();
+  closed_loops_.clear();
   trajectory_.clear();
   tracker_.reset();
 }
@@ -212,7 +240,8 @@ void SparseSlam::saveMap(const std::string& path) const {
 }
 
 void SparseSlam::loadMap(const std::string& path) {
-  finish();
+  waitForUpkeep();
+  global_ba_.cancel();
   Map loaded;
   semantic_vslam::loadMap(path, loaded);
   std::lock_guard<std::mutex> lock(mutex_);
@@ -250,7 +279,12 @@ std::size_t SparseSlam::landmarkCount() const {
 
 std::size_t SparseSlam::loopCount() const {
   std::lock_guard<std::mutex> lock(mutex_);
-  return loop_count_;
+  return closed_loops_.size();
+}
+
+std::vector<ClosedLoop> SparseSlam::closedLoops() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return closed_loops_;
 }
 
 std::vector<Eigen::Vector3d> SparseSlam::landmarkPositions() const {

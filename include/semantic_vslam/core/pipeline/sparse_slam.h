@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "semantic_vslam/core/common/bounded_queue.h"
+#include "semantic_vslam/core/common/latest_task.h"
 #include "semantic_vslam/core/dense/keyframe_cloud.h"
 #include "semantic_vslam/core/eval/stage_timing.h"
 #include "semantic_vslam/core/features/place_index.h"
@@ -58,13 +59,21 @@ struct SparseStep {
   std::optional<KeyframeId> keyframe;        ///< this frame, if it became a keyframe
 };
 
+/// A loop that was closed, as the place was recognised.
+struct ClosedLoop {
+  Stamp current, matched;                   ///< of the keyframe that came back, and of the earlier one it saw again
+  SE3 T_current_matched = SE3::Identity();  ///< as the old landmarks had it, before any optimisation
+};
+
 /// Tracking and the map behind it: owner of the sparse map, the trajectory and, in the background mode, of the worker
 /// that maintains the map. step() is called by one thread; everything else by any.
 class SparseSlam {
  public:
   enum class Mode {
     kSynchronous,  ///< step() also maintains the map: the same input gives the same output
-    kBackground    ///< a worker maintains the map; step() waits for it only for the length of a map update
+    /// A worker maintains the map and another one adjusts all of it after a loop, until the next loop aborts that.
+    /// step() waits for them only for the length of a map update.
+    kBackground
   };
 
   /// @throws ConfigError
@@ -77,7 +86,7 @@ class SparseSlam {
   /// @param times    must outlive this object in the background mode
   SparseStep step(const RgbdFrame& frame, const cv::Mat1b& dynamic, StageTimes& times);
 
-  /// Waits until the worker has dealt with every keyframe so far. Nothing to do in the synchronous mode.
+  /// Waits until the workers have dealt with every keyframe and loop so far. Nothing to do in the synchronous mode.
   void finish();
   /// Forgets map and trajectory.
   void reset();
@@ -95,6 +104,8 @@ class SparseSlam {
   std::size_t keyframeCount() const;
   std::size_t landmarkCount() const;
   std::size_t loopCount() const;
+  /// Every loop closed since the last reset(), in order.
+  std::vector<ClosedLoop> closedLoops() const;
   /// Positions of all landmarks, metres, in the world.
   std::vector<Eigen::Vector3d> landmarkPositions() const;
 
@@ -102,16 +113,20 @@ class SparseSlam {
   /// A keyframe whose surroundings are to be maintained, and where to report the time.
   struct Upkeep {
     KeyframeId keyframe;
+    std::uint64_t frame;  ///< index of the frame that it was made with
     StageTimes* times;
   };
 
   SparseStep trackLocked(const TrackedFrame& frame);
   void relocaliseLocked(const TrackedFrame& frame, TrackingResult& result);
   KeyframeId insertLocked(const TrackedFrame& frame);
-  void maintain(KeyframeId keyframe, StageTimes& times);
+  void maintain(const Upkeep& upkeep);
   void adjustAround(KeyframeId keyframe);
-  void closeLoop(KeyframeId keyframe);
-  void adjustAll();
+  /// @return false if there is none
+  bool closeLoop(KeyframeId keyframe);
+  void startAdjustingAll(const Upkeep& upkeep);
+  void adjustAll(const std::atomic<bool>& abort);
+  void waitForUpkeep();
   /// Runs a change of the map that may move keyframes; tracking's last frame moves with its reference.
   template <class Change>
   bool changeLocked(const Change& change);
@@ -121,19 +136,20 @@ class SparseSlam {
   const Mode mode_;
 
   mutable std::mutex mutex_;
-  Map map_;                     // guarded by mutex_
-  PlaceIndex places_;           // guarded by mutex_
-  LoopDetector loops_;          // guarded by mutex_
-  std::size_t loop_count_ = 0;  // guarded by mutex_
-  TrajectoryLog trajectory_;    // guarded by mutex_
-  Tracker tracker_;             // guarded by mutex_, but for prepare(), which is const
+  Map map_;                               // guarded by mutex_
+  PlaceIndex places_;                     // guarded by mutex_
+  LoopDetector loops_;                    // guarded by mutex_
+  std::vector<ClosedLoop> closed_loops_;  // guarded by mutex_
+  TrajectoryLog trajectory_;              // guarded by mutex_
+  Tracker tracker_;                       // guarded by mutex_, but for prepare(), which is const
   std::atomic<bool> localization_only_{false};
 
   std::atomic<bool> abort_ba_{false};
   std::atomic<int> pending_{0};  ///< keyframes queued or in work
   std::condition_variable idle_;
   BoundedQueue<Upkeep> queue_;
-  std::thread worker_;  ///< last member: starts when all else is there, joined first
+  LatestTask global_ba_;  ///< used in the background mode
+  std::thread worker_;    ///< last member: starts when all else is there, joined first
 };
 
 }  // namespace semantic_vslam

@@ -130,6 +130,13 @@ TEST(KeyframePolicy, FollowsItsConditions) {
   e.close_tracked = 50;
   e.close_new = 100;
   EXPECT_TRUE(keyframeIsDue(e, config)) << "runs out of close points";
+  e.close_new = 0;
+  e.tracked = 60;
+  e.reference_tracked = 60;
+  e.all_new = 300;
+  EXPECT_FALSE(keyframeIsDue(e, config)) << "too soon";
+  e.frames_since_keyframe = 3;
+  EXPECT_TRUE(keyframeIsDue(e, config)) << "walks through a doorway: little is tracked, and what is new is far";
   e.tracked = 10;
   EXPECT_FALSE(keyframeIsDue(e, config)) << "too weak to extend the map";
 }

@@ -16,6 +16,7 @@ struct KeyframePolicyConfig {
   double min_reference_share = 0.9;
   int min_close_tracked = 100;
   int min_close_new = 70;
+  int min_tracked = 100;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -29,6 +30,10 @@ struct KeyframePolicyConfig {
     v.field("min_close_tracked", min_close_tracked, 0, 1000,
             "fewer tracked close points than this, with min_close_new new ones at hand, need a keyframe at once");
     v.field("min_close_new", min_close_new, 0, 1000, "see min_close_tracked");
+    v.field(
+        "min_tracked", min_tracked, 0, 1000,
+        "fewer tracked landmarks than this, with min_close_new features at hand that have depth but no landmark, need "
+        "a keyframe too, however far they are: through a doorway there may be nothing close");
   }
 };
 
@@ -39,13 +44,14 @@ struct KeyframeEvidence {
   int reference_tracked = 0;  ///< landmarks of the reference keyframe that other keyframes confirm
   int close_tracked = 0;      ///< close static features with a landmark
   int close_new = 0;          ///< close static features without
+  int all_new = 0;            ///< static features with depth and without a landmark, at any distance
   bool mapper_idle = true;
 };
 
 /// ORB-SLAM2's conditions for RGB-D (Mur-Artal and Tardos 2017, section III.E).
 bool keyframeIsDue(const KeyframeEvidence& evidence, const KeyframePolicyConfig& config);
 
-/// Counts close features of the frame. @param close_m  metres
+/// Counts the frame's static features with depth. @param close_m  metres
 void countClose(const TrackedFrame& frame, double close_m, KeyframeEvidence& evidence);
 
 /// Landmarks of a keyframe seen by at least minimum_observations keyframes.

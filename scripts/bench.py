@@ -15,6 +15,7 @@ import statistics
 import subprocess
 import sys
 
+import bench_map
 import bench_motion
 import bench_recovery
 
@@ -101,6 +102,9 @@ def parse_arguments():
         part.add_argument("--" + name, dest="part", action="store_const", const=name, help=function.__doc__)
     part.add_argument("--recovery", dest="part", action="store_const", const="recovery",
                       help=bench_recovery.recovery.__doc__.splitlines()[0] + " Of the first sequence")
+    part.add_argument("--loops", dest="part", action="store_const", const="loops", help=bench_map.loops.__doc__)
+    part.add_argument("--growth", dest="part", action="store_const", const="growth", help=bench_map.growth.__doc__)
+    parser.add_argument("--seeds", type=int, default=bench_map.LOOP_SEEDS, help="seeds of --loops (default %(default)s)")
     return parser.parse_args()
 
 
@@ -146,6 +150,11 @@ def main():
     if arguments.part == "recovery":
         program = os.path.join(PROGRAMS, "measure_recovery")
         results, text = bench_recovery.recovery(run, program, sequences[0], arguments.camera)
+    elif arguments.part == "loops":
+        results, text = bench_map.loops(run, PROGRAMS, lambda line: print(f"[bench] {line}", flush=True),
+                                        range(1, arguments.seeds + 1))
+    elif arguments.part == "growth":
+        results, text = bench_map.growth(run, PROGRAMS, sequences[0], arguments.camera)
     elif arguments.part:
         network = default_network() if arguments.network is None else arguments.network
         results, text = run_part(arguments.part, sequences, arguments.camera, arguments.runs or 1, network, out_dir)

@@ -18,7 +18,7 @@
 
 #include "semantic_vslam/core/common/arguments.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/eval/synthetic_room.h"
+#include "semantic_vslam/core/eval/scenario_source.h"
 #include "semantic_vslam/core/io/tum_writer.h"
 #include "semantic_vslam/ros/recording_bag.h"
 
@@ -170,20 +170,6 @@ void produce(int count, int threads, const OrderedProduction::Make& make, Sink& 
   sink.finish();
 }
 
-CameraIntrinsics cameraOf(const std::string& size) {
-  CameraIntrinsics k;
-  char rest = 0;
-  if (std::sscanf(size.c_str(), "%dx%d%c", &k.width, &k.height, &rest) != 2 || k.width < 64 || k.height < 48 ||
-      k.width > 4096 || k.height > 4096) {
-    throw UsageError("--size must be WIDTHxHEIGHT from 64x48 to 4096x4096, is '" + size + "'");
-  }
-  // Not the 525 px of an uncalibrated Kinect: camera_info is exact here, and readers warn of that value.
-  k.fx = k.fy = 520.0 * k.width / 640.0;
-  k.cx = 0.5 * k.width - 1.0;
-  k.cy = 0.5 * k.height + 1.0;
-  return k;
-}
-
 void printScenarios() {
   for (const auto& [name, description] : listScenarios()) std::printf("%-20s %s\n", name.c_str(), description.c_str());
 }
@@ -202,7 +188,7 @@ int run(const Arguments& arguments) {
   }
   const auto bag = arguments.value("--out"), folder = arguments.value("--tum");
   if (bag.has_value() == folder.has_value()) throw UsageError("give either --out FILE.bag or --tum DIR");
-  const auto camera = cameraOf(arguments.value("--size").value_or("640x480"));
+  const auto camera = syntheticCamera(arguments.value("--size").value_or("640x480"));
   const auto seed = static_cast<std::uint64_t>(arguments.count("--seed", 1));
   const int threads = static_cast<int>(std::clamp<std::size_t>(arguments.count("--threads", 2), 1, 64));
   const auto views = static_cast<int>(arguments.count("--random-views", 0));

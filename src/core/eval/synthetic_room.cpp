@@ -142,7 +142,7 @@ class SyntheticRoom::Impl {
         scenario_.seed * 1000003ULL + static_cast<std::uint64_t>(std::llround(time_s * 1e6)) * 2ULL;
     const cv::Mat3b bgr = senseColor(rendering.bgr, scenario_.sensor, noise_seed);
     const cv::Mat1f depth_m = senseDepth(rendering.depth_m, caster_.camera()->fx(), scenario_.sensor, noise_seed + 1);
-    out.frame = makeRgbdFrame(index, Stamp::fromSeconds(kStartS + time_s), bgr, depth_m, 1.0, caster_.camera());
+    out.frame = makeRgbdFrame(index, stampAt(time_s), bgr, depth_m, 1.0, caster_.camera());
   }
 
   Scenario scenario_;
@@ -170,6 +170,7 @@ SyntheticRoom::SyntheticRoom(const Scenario& scenario, const CameraIntrinsics& i
 SyntheticRoom::~SyntheticRoom() = default;
 
 SyntheticFrame SyntheticRoom::render(double time_s) const { return impl_->render(time_s); }
+Stamp SyntheticRoom::stampAt(double time_s) { return Stamp::fromSeconds(kStartS + time_s); }
 const Scenario& SyntheticRoom::scenario() const { return impl_->scenario(); }
 int SyntheticRoom::frameCount() const {
   return std::max(1, static_cast<int>(std::lround(impl_->scenario().duration_s * impl_->scenario().fps)));

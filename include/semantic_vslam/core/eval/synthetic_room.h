@@ -37,9 +37,10 @@ class SyntheticRoom {
   SyntheticRoom(const Scenario& scenario, const CameraIntrinsics& intrinsics);
   ~SyntheticRoom();
 
-  /// @param time_s  from the start of the scenario; the frame's stamp is 1000 s later, since stamp 0 means "none" in
-  /// ROS
+  /// @param time_s  from the start of the scenario
   SyntheticFrame render(double time_s) const;
+  /// Stamp of the frame rendered at a time: 1000 s later, since stamp 0 means "none" in ROS.
+  static Stamp stampAt(double time_s);
 
   const Scenario& scenario() const;
   /// Number of frames of the whole scenario at its frame rate.

@@ -37,6 +37,8 @@ class TumSequence : public FrameSource {
   const std::vector<TimedPose>& groundTruth() const override { return ground_truth_; }
   cv::Mat1b groundTruthMask() const override;
 
+  /// The frame that next() returns is this one. @param index  into pairs()
+  void seek(std::size_t index) { next_ = index; }
   const std::vector<TumPair>& pairs() const { return pairs_; }
 
  private:

@@ -1,0 +1,179 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Runs the whole system over a rendered scenario or a TUM folder and tells which loops it closed, whether they are
+// true, and the trajectory's error just before the first one and at the end.
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "semantic_vslam/core/common/arguments.h"
+#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/eval/run_report.h"
+#include "semantic_vslam/core/eval/scenario_source.h"
+#include "semantic_vslam/core/eval/trajectory_error.h"
+#include "semantic_vslam/core/io/json_writer.h"
+#include "semantic_vslam/core/io/tum_sequence.h"
+#include "semantic_vslam/core/pipeline/slam_system.h"
+
+namespace {
+
+using namespace semantic_vslam;
+
+constexpr const char* kUsage =
+    "usage: measure_loops [SEQUENCE_DIR --camera FILE] [options]\n"
+    "Runs the whole system and prints one JSON object: the loops closed, whether they are true, and the trajectory's\n"
+    "error (ATE RMSE, metres) over the frames up to the first closing just before it, and over all frames at the end.\n"
+    "Without a TUM folder a scenario is rendered on the way:\n"
+    "  --scenario NAME      as in make_synthetic_bag --list (loop)\n"
+    "  --seed N             (1)\n"
+    "  --size WxH, --fps N  of the rendered frames (640x480, 30)\n"
+    "  --frames N           stop after N frames\n"
+    "  --set KEY=VALUE      a key of the configuration; may be repeated\n"
+    "  --map FILE, --trajectory FILE   also save the sparse map and the frames' poses (TUM format)\n"
+    "  --verbose            also print each frame's state and inliers on stderr\n";
+
+// A loop whose relative pose is this far from the truth joins two places that are not one.
+constexpr double kFalseM = 0.5, kFalseRad = 0.2;
+
+struct Recording {
+  std::string name;
+  std::unique_ptr<FrameSource> frames;
+};
+
+Recording openRecording(const Arguments& arguments) {
+  if (!arguments.positional().empty()) {
+    const auto camera = arguments.value("--camera");
+    if (!camera) throw UsageError("a folder of images needs --camera FILE");
+    const std::string& folder = arguments.positional()[0];
+    return {folder, std::make_unique<TumSequence>(folder, std::make_shared<CameraModel>(loadCameraFile(*camera)))};
+  }
+  const std::string name = arguments.value("--scenario").value_or("loop");
+  Scenario scenario = makeScenario(name, arguments.count("--seed", 1));
+  scenario.fps = arguments.positiveNumber("--fps", scenario.fps);
+  const auto camera = syntheticCamera(arguments.value("--size").value_or("640x480"));
+  return {name, std::make_unique<ScenarioSource>(scenario, camera)};
+}
+
+SystemConfig readConfig(const Arguments& arguments) {
+  SystemConfig config;
+  config.dense.enabled = false;  // has no part in the loops
+  for (const std::string& assignment : arguments.values("--set")) {
+    const std::size_t equals = assignment.find('=');
+    if (equals == std::string::npos) throw UsageError("--set " + assignment + ": expected KEY=VALUE");
+    setConfig(config, assignment.substr(0, equals), assignment.substr(equals + 1));
+  }
+  return config;
+}
+
+double trajectoryError(const std::vector<TimedPose>& truth, const std::vector<TimedPose>& estimate) {
+  return absoluteTrajectoryError(truth, estimate).translation_m.rmse;
+}
+
+/// True pose of the frame with a stamp. @throws Error if there is none
+const SE3& truthAt(const std::vector<TimedPose>& truth, Stamp stamp) {
+  const auto at = std::min_element(truth.begin(), truth.end(), [&](const TimedPose& a, const TimedPose& b) {
+    return std::abs(secondsBetween(stamp, a.stamp)) < std::abs(secondsBetween(stamp, b.stamp));
+  });
+  if (at == truth.end()) throw Error("the recording has no ground truth");
+  return at->T_world_camera;
+}
+
+/// How far a loop's relative pose is from the truth.
+SE3 errorOf(const ClosedLoop& loop, const std::vector<TimedPose>& truth) {
+  const SE3 T_current_matched = truthAt(truth, loop.current).inverse() * truthAt(truth, loop.matched);
+  return loop.T_current_matched * T_current_matched.inverse();
+}
+
+struct Outcome {
+  std::size_t frames = 0, posed = 0;
+  std::optional<double> ate_before_m;  ///< nothing without a loop
+  double ate_m = 0.0;
+};
+
+double cpuSeconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+Outcome runThrough(FrameSource& frames, SlamSystem& system, std::size_t most_frames, bool verbose) {
+  Outcome outcome;
+  const auto& truth = frames.groundTruth();
+  std::vector<TimedPose> before;
+  while (outcome.frames < most_frames) {
+    const auto frame = frames.next();
+    if (!frame) break;
+    if (system.slam().loopCount() == 0) before = system.slam().trajectory();
+    const StepResult step = system.step(*frame);
+    ++outcome.frames;
+    if (!outcome.ate_before_m && system.slam().loopCount() > 0) outcome.ate_before_m = trajectoryError(truth, before);
+    if (verbose) {
+      std::fprintf(stderr, "%llu %s %d inliers of %d matches, %d features, %zu keyframes, %zu loops\n",
+                   static_cast<unsigned long long>(frame->index), stateName(step.tracking.state), step.tracking.inliers,
+                   step.tracking.matches, step.tracking.features, system.slam().keyframeCount(),
+                   system.slam().loopCount());
+    }
+  }
+  system.finish();
+  const auto trajectory = system.slam().trajectory();
+  outcome.posed = trajectory.size();
+  outcome.ate_m = trajectoryError(truth, trajectory);
+  return outcome;
+}
+
+void writeLoops(JsonWriter& json, const std::vector<ClosedLoop>& loops, const std::vector<TimedPose>& truth) {
+  int wrong = 0;
+  double worst_m = 0.0;
+  for (const ClosedLoop& loop : loops) {
+    const SE3 error = errorOf(loop, truth);
+    worst_m = std::max(worst_m, error.translation().norm());
+    wrong += error.translation().norm() > kFalseM || rotationAngle(error) > kFalseRad ? 1 : 0;
+  }
+  json.field("loops", loops.size());
+  json.field("false_loops", wrong);
+  json.field("worst_loop_error_m", worst_m);
+}
+
+int run(const Arguments& arguments, const SystemConfig& config) {
+  const Recording recording = openRecording(arguments);
+  SlamSystem system(config, SlamSystem::Mode::kSynchronous);
+  const Outcome outcome = runThrough(*recording.frames, system, arguments.count("--frames", recording.frames->size()),
+                                     arguments.has("--verbose"));
+  if (const auto map = arguments.value("--map")) system.slam().saveMap(*map);
+  if (const auto poses = arguments.value("--trajectory")) writeTumTrajectory(*poses, system.slam().trajectory());
+  JsonWriter json;
+  json.field("recording", recording.name);
+  json.field("frames", outcome.frames);
+  json.field("posed", outcome.posed);
+  json.field("keyframes", system.slam().keyframeCount());
+  writeLoops(json, system.slam().closedLoops(), recording.frames->groundTruth());
+  outcome.ate_before_m ? json.field("ate_before_m", *outcome.ate_before_m) : json.null("ate_before_m");
+  json.field("ate_m", outcome.ate_m);
+  json.field("cpu_s", cpuSeconds());
+  json.field("peak_memory_mb", peakMemoryMb());
+  std::fputs(json.finish().c_str(), stdout);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return runTool(argc, argv, kUsage, [&] {
+    cv::setNumThreads(1);
+    const bool folder = argc > 1 && argv[1][0] != '-';
+    const Arguments arguments(
+        argc, argv,
+        {"--camera", "--scenario", "--seed", "--size", "--fps", "--frames", "--set", "--map", "--trajectory"},
+        {"--verbose"}, folder ? 1 : 0);
+    return run(arguments, readConfig(arguments));
+  });
+}

@@ -26,12 +26,13 @@ constexpr float kEdgeShare = 0.06F;
 constexpr double kInlierSigmas = 3.0;
 constexpr double kWidening[] = {5.0, 2.5, 1.5, 1.0};
 constexpr double kNarrow[] = {1.0, 1.0};
+constexpr double kHalfFrom = 2.0;
 // Change of velocity of a hand-held or wheeled camera between two frames (some 5 m/s^2, 10 rad/s^2).
 constexpr double kPriorTranslationM = 0.005, kPriorRotationRad = 0.01;
 constexpr double kGoodShare = 0.6;
 constexpr double kClearlyMore = 1.25;
 constexpr int kRansacDraws = 60;
-constexpr std::size_t kScoredPoints = 250;
+constexpr std::size_t kScoredPoints = 150;
 
 struct NoiseModel {
   double flow_sigma;  // in units of the ray
@@ -51,7 +52,8 @@ Residual residualOf(const FlowPoint& point, const Eigen::Matrix3d& R, const Eige
   const double inverse_z = 1.0 / std::max(r.moved.z(), 1e-3);
   r.u = (r.moved.x() * inverse_z - point.ray_previous.x()) / noise.flow_sigma;
   r.v = (r.moved.y() * inverse_z - point.ray_previous.y()) / noise.flow_sigma;
-  r.sigma_z = std::sqrt(2.0) * noise.depth_sigma_at_1m_m * std::max(r.moved.z() * r.moved.z(), 0.25);
+  constexpr double kOfTwoDepths = 1.4142135623730951;
+  r.sigma_z = kOfTwoDepths * noise.depth_sigma_at_1m_m * std::max(r.moved.z() * r.moved.z(), 0.25);
   r.z = point.depth_previous_m > 0.0F ? (r.moved.z() - point.depth_previous_m) / r.sigma_z : 0.0;
   return r;
 }
@@ -85,13 +87,14 @@ struct NormalEquations {
   }
 };
 
-NormalEquations linearise(const std::vector<FlowPoint>& points, const SE3& T, const NoiseModel& noise,
-                          double widening) {
+NormalEquations linearise(const std::vector<FlowPoint>& points, const SE3& T, const NoiseModel& noise, double widening,
+                          std::size_t stride) {
   const Eigen::Matrix3d R = T.linear();
   const Eigen::Vector3d t = T.translation();
   const double scale_squared = std::pow(kInlierSigmas * widening, 2);
   NormalEquations normal;
-  for (const FlowPoint& point : points) {
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    const FlowPoint& point = points[i];
     const Residual r = residualOf(point, R, t, noise);
     const double weight = point.weight * gemanMcClure(r.u * r.u + r.v * r.v, scale_squared);
     const double x = r.moved.x(), y = r.moved.y(), z = std::max(r.moved.z(), 1e-3);
@@ -118,7 +121,8 @@ SE3 refine(const std::vector<FlowPoint>& points, const SE3& start, const SE3& pr
       Eigen::Vector3d::Constant(1.0 / (kPriorRotationRad * kPriorRotationRad));
   SE3 T = start;
   for (const double widening : widenings) {
-    last = linearise(points, T, noise, widening);
+    // On the way, half of the points do.
+    last = linearise(points, T, noise, widening, widening > kHalfFrom ? 2 : 1);
     const Vector6d deviation = se3Log(T * predicted.inverse());
     last.H.diagonal() += prior;
     last.b -= prior.cwiseProduct(deviation);
@@ -249,7 +253,9 @@ CameraMotion estimateCameraMotion(const std::vector<FlowPoint>& points, const Wo
     share = other_share;
     normal = other_normal;
   };
-  if (share < kGoodShare) {
+  // Blurred images spread the flow of a good motion: no reason to look for another.
+  const NoiseModel blurred{2.0 * noise.flow_sigma, noise.depth_sigma_at_1m_m};
+  if (share < kGoodShare && explainedShare(points, best, blurred, 1) < kGoodShare) {
     consider(SE3::Identity(), 1.0);
     if (share < kGoodShare) consider(drawStart(points, noise), kClearlyMore);
   }

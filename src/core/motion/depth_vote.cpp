@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <vector>
 
 #include "semantic_vslam/core/motion/camera_motion.h"
 
@@ -19,21 +19,6 @@ constexpr float kHoleStayed = 0.5F;
 // Error that chained frame-to-frame motions gather, metres per second.
 constexpr float kDriftMetresPerSecond = 0.02F;
 
-/// The cell of the reference that a surface of the present frame falls on, and its depth there.
-struct SeenBefore {
-  cv::Point cell;
-  float depth_m;
-};
-
-std::optional<SeenBefore> lookUp(const WorkGrid& grid, const CellTransform& T_reference_current, const cv::Vec2f& ray,
-                                 float depth_m) {
-  const cv::Point3f point = T_reference_current.at(T_reference_current.turn(ray), depth_m);
-  if (point.z < kNearestM) return std::nullopt;
-  const cv::Point2f seen = grid.project(point.x, point.y, point.z);
-  if (!grid.contains(seen)) return std::nullopt;
-  return SeenBefore{{static_cast<int>(seen.x + 0.5F), static_cast<int>(seen.y + 0.5F)}, point.z};
-}
-
 }  // namespace
 
 DepthVote voteByDepth(const GridFrame& current, const DepthReference& reference, const WorkGrid& grid,
@@ -42,30 +27,30 @@ DepthVote voteByDepth(const GridFrame& current, const DepthReference& reference,
   const CellTransform T_reference_current(reference.T_reference_current);
   const auto age_s = static_cast<float>(secondsBetween(reference.stamp, current.stamp));
   const float base_margin_m = static_cast<float>(config.min_depth_margin_m) + kDriftMetresPerSecond * age_s;
+  std::vector<float> surface_m(grid.size().width);
+  ProjectedRow seen(grid.size().width);
   for (int y = 0; y < grid.size().height; ++y) {
     const float *depth_row = current.depth_m[y], *behind_row = current.depth_high_m[y];
-    const cv::Vec2f* rays = grid.rays()[y];
+    for (int x = 0; x < grid.size().width; ++x) surface_m[x] = depth_row[x] > 0.0F ? depth_row[x] : behind_row[x];
+    grid.projectRow(y, surface_m.data(), T_reference_current, seen);
     float *entered = vote.entered[y], *stayed = vote.stayed[y];
     for (int x = 0; x < grid.size().width; ++x) {
+      const bool visible = surface_m[x] > 0.0F && seen.depth_m[x] >= kNearestM;
+      if (!visible || !grid.contains({seen.x[x], seen.y[x]})) continue;
+      const cv::Point cell(static_cast<int>(seen.x[x] + 0.5F), static_cast<int>(seen.y[x] + 0.5F));
       const bool hole = depth_row[x] <= 0.0F;
-      const float z = hole ? behind_row[x] : depth_row[x];
-      if (z <= 0.0F) continue;
-      const auto seen = lookUp(grid, T_reference_current, rays[x], z);
-      if (!seen) continue;
-      const float measured = reference.depth_m(seen->cell);
+      const float measured = reference.depth_m(cell);
       if (hole || measured <= 0.0F) {
         // A hole where there was a hole (a black screen, a lamp) tells little, but of something that stands still.
-        if (hole && measured <= 0.0F) {
-          stayed[x] = kHoleStayed * (1.0F - reference.dynamic_probability(seen->cell));
-        }
+        if (hole && measured <= 0.0F) stayed[x] = kHoleStayed * (1.0F - reference.dynamic_probability(cell));
         continue;
       }
-      const float margin = base_margin_m + kMarginSigmas * depthSigma(config, std::max(z, measured));
-      const float gap = reference.depth_low_m(seen->cell) - seen->depth_m;
+      const float margin = base_margin_m + kMarginSigmas * depthSigma(config, std::max(surface_m[x], measured));
+      const float gap = reference.depth_low_m(cell) - seen.depth_m[x];
       if (gap > margin) {
         entered[x] = std::min(1.0F, (gap - margin) / margin);
-      } else if (std::abs(measured - seen->depth_m) < margin) {
-        stayed[x] = 1.0F - reference.dynamic_probability(seen->cell);
+      } else if (std::abs(measured - seen.depth_m[x]) < margin) {
+        stayed[x] = 1.0F - reference.dynamic_probability(cell);
       }
     }
   }

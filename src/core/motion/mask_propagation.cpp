@@ -7,7 +7,6 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "semantic_vslam/core/motion/flow_carry.h"
 #include "semantic_vslam/core/segmentation/dynamic_objects.h"
 
 namespace semantic_vslam {
@@ -25,18 +24,20 @@ cv::Mat2f identityOrigin(cv::Size size) {
 
 /// One frame further. The origin is taken from the nearest cell plus the offset to it: interpolating would mix the
 /// origins of a person and of the wall beside.
-cv::Mat2f advanceOrigin(const cv::Mat2f& origin, const cv::Mat2f& flow_cells, const cv::Mat1f& previous_depth_m,
-                        const cv::Mat1f& depth_m, double dt_s) {
-  cv::Mat2f advanced(origin.size(), cv::Vec2f(kNan, kNan));
+cv::Mat2f advanceOrigin(const cv::Mat2f& origin, const cv::Mat2f& source) {
+  cv::Mat2f advanced(origin.size());
   for (int y = 0; y < origin.rows; ++y) {
+    const cv::Vec2f* from = source[y];
+    cv::Vec2f* out = advanced[y];
     for (int x = 0; x < origin.cols; ++x) {
-      const cv::Vec2f flow = flow_cells(y, x);
-      const float before_x = static_cast<float>(x) - flow[0], before_y = static_cast<float>(y) - flow[1];
-      const int column = cvRound(before_x), row = cvRound(before_y);
-      if (column < 0 || row < 0 || column >= origin.cols || row >= origin.rows) continue;
-      if (isUncovered(depth_m(y, x), previous_depth_m(row, column), static_cast<float>(dt_s))) continue;
-      const cv::Vec2f offset(before_x - static_cast<float>(column), before_y - static_cast<float>(row));
-      advanced(y, x) = origin(row, column) + offset;
+      if (!(from[x][0] >= 0.0F)) {  // NaN
+        out[x] = {kNan, kNan};
+        continue;
+      }
+      const int column = static_cast<int>(from[x][0] + 0.5F), row = static_cast<int>(from[x][1] + 0.5F);
+      const cv::Vec2f& nearest = origin(row, column);
+      out[x] = {nearest[0] + from[x][0] - static_cast<float>(column),
+                nearest[1] + from[x][1] - static_cast<float>(row)};
     }
   }
   return advanced;
@@ -64,20 +65,13 @@ void MaskPropagation::reset() {
   origin_.release();
 }
 
-void MaskPropagation::addFrame(const GridFrame& frame, const cv::Mat2f& flow_cells) {
-  if (hasMask()) {
-    if (flow_cells.empty() || entries_.empty()) {
-      mask_.release();
-    } else {
-      const Entry& last = entries_.back();
-      origin_ =
-          advanceOrigin(origin_, flow_cells, last.depth_m, frame.depth_m, secondsBetween(last.stamp, frame.stamp));
-      // Past three time constants next to nothing of the trust is left.
-      if (secondsBetween(mask_stamp_, frame.stamp) > 3.0 * config_.time_constant_s) mask_.release();
-    }
-  }
-  entries_.push_back({frame.stamp, flow_cells, frame.depth_m, cv::Mat1b(frame.depth_m.size(), 0)});
-  while (secondsBetween(entries_.front().stamp, frame.stamp) > config_.max_delay_s) entries_.pop_front();
+void MaskPropagation::addFrame(Stamp stamp, cv::Size grid_size, const cv::Mat2f& source) {
+  // Past three time constants next to nothing of the trust is left.
+  const bool expired = hasMask() && secondsBetween(mask_stamp_, stamp) > 3.0 * config_.time_constant_s;
+  if (expired || source.empty()) mask_.release();
+  if (hasMask()) origin_ = advanceOrigin(origin_, source);
+  entries_.push_back({stamp, source, cv::Mat1b(grid_size, 0)});
+  while (secondsBetween(entries_.front().stamp, stamp) > config_.max_delay_s) entries_.pop_front();
 }
 
 void MaskPropagation::setMoving(const cv::Mat1b& moving) {
@@ -85,7 +79,7 @@ void MaskPropagation::setMoving(const cv::Mat1b& moving) {
 }
 
 cv::Mat1f MaskPropagation::dynamicOf(const Entry& entry, const cv::Mat1b& labels, const LabelSet& label_set) const {
-  const cv::Size size = entry.depth_m.size();
+  const cv::Size size = entry.moving.size();
   cv::Mat1f dynamic = personShare(labels, label_set, size);
   cv::Mat1b reduced, removed;
   cv::resize(labels, reduced, size, 0, 0, cv::INTER_NEAREST);
@@ -103,11 +97,7 @@ bool MaskPropagation::addLabels(Stamp stamp, const cv::Mat1b& labels, const Labe
   mask_ = dynamicOf(*entry, labels, label_set);
   mask_stamp_ = stamp;
   origin_ = identityOrigin(mask_.size());
-  for (auto next = entry + 1; next != entries_.end(); ++next) {
-    const Entry& last = *(next - 1);
-    origin_ =
-        advanceOrigin(origin_, next->flow_cells, last.depth_m, next->depth_m, secondsBetween(last.stamp, next->stamp));
-  }
+  for (auto next = entry + 1; next != entries_.end(); ++next) origin_ = advanceOrigin(origin_, next->source);
   return true;
 }
 

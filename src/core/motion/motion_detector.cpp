@@ -10,6 +10,7 @@
 #include "semantic_vslam/core/motion/homography_motion.h"
 #include "semantic_vslam/core/motion/mask_cleanup.h"
 #include "semantic_vslam/core/motion/rigid_flow.h"
+#include "semantic_vslam/core/motion/surface_evidence.h"
 
 namespace semantic_vslam {
 namespace {
@@ -34,8 +35,35 @@ cv::Mat2f reduceToCells(const cv::Mat2f& flow, cv::Size size) {
   return cells;
 }
 
+/// @param semantic  NaN = unknown
+void raiseTo(const cv::Mat1f& semantic, cv::Mat1f& dynamic) {
+  for (int y = 0; y < dynamic.rows; ++y) {
+    const float* from = semantic[y];
+    float* to = dynamic[y];
+    for (int x = 0; x < dynamic.cols; ++x) to[x] = from[x] > to[x] ? from[x] : to[x];
+  }
+}
+
 /// Log-odds to 0 .. 1, with 0 at 0.5: the logistic function's slope there, without its cost.
 float squash(float log_odds) { return 0.5F + 0.25F * log_odds / (1.0F + 0.5F * std::abs(log_odds)); }
+
+/// @param moving  255 = moving; empty: nothing is known  @param log_odds  may be empty
+/// @return 0 .. 1, grid size
+cv::Mat1f movingProbability(const cv::Mat1b& moving, const cv::Mat1f& log_odds, cv::Size grid_size) {
+  cv::Mat1f probability(grid_size, 0.0F);
+  if (moving.empty()) return probability;
+  for (int y = 0; y < grid_size.height; ++y) {
+    const uchar* moves = moving[y];
+    const float* odds = log_odds.empty() ? nullptr : log_odds[y];
+    float* out = probability[y];
+    for (int x = 0; x < grid_size.width; ++x) {
+      const float evidence = odds != nullptr ? squash(odds[x]) : moves[x] != 0 ? 0.9F : 0.1F;
+      // The cleaned mask decides; the evidence says how surely.
+      out[x] = moves[x] != 0 ? std::max(evidence, 0.55F) : std::min(evidence, 0.45F);
+    }
+  }
+  return probability;
+}
 
 /// Velocity scaled to another time step.
 SE3 scaleMotion(const SE3& motion, double factor) { return se3Exp(factor * se3Log(motion)); }
@@ -74,39 +102,40 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
   if (!grid_ || frame.camera != camera_ || dt_s <= 0.0 || dt_s > kLongestGapS) {
     start(frame);
     previous_ = makeGridFrame(frame, *grid_);
-    propagation_.addFrame(previous_, {});
+    propagation_.addFrame(frame.stamp, grid_->size(), {});
     MotionResult first;
     first.dynamic = first.moving = cv::Mat1b::zeros(full_size);
     return first;
   }
   const GridFrame current = makeGridFrame(frame, *grid_);
   const cv::Mat2f flow_cells = reduceToCells(dense_flow_.compute(previous_.gray, current.gray), grid_->size());
-  propagation_.addFrame(current, flow_cells);
-  const cv::Mat1f static_weight = staticWeight(current, flow_cells);
+  const cv::Mat2f source = traceBack(flow_cells, previous_.depth_m, current.depth_m, dt_s);
+  propagation_.addFrame(frame.stamp, grid_->size(), source);
+  const cv::Mat1f semantic = propagation_.dynamicNow();
+  const cv::Mat1f static_weight = staticWeight(source, semantic);
 
   Estimate estimate;
   if (config_.model == "homography") estimate = explainByHomography(current, flow_cells, static_weight);
-  if (config_.model == "rigid_flow") estimate = explainByRigidFlow(current, flow_cells, static_weight);
+  if (config_.model == "rigid_flow") estimate = explainByRigidFlow(current, flow_cells, source, static_weight);
+  const SurfaceEvidence surface = shareAlongSurfaces(estimate.log_odds, semantic, current.depth_m);
+  if (!surface.log_odds.empty()) {
+    estimate.log_odds = surface.log_odds;
+    estimate.moving = cleanMask(surface.log_odds > 0.0F, grid_->cellPx(), config_.cleanup);
+  }
   propagation_.setMoving(estimate.moving);
 
-  const MotionResult result = compose(estimate, flow_cells, full_size);
+  const MotionResult result = compose(estimate, flow_cells, surface.semantic, full_size);
   if (config_.model == "rigid_flow") keepReference(current);
   previous_ = current;
   return result;
 }
 
-cv::Mat1f MotionDetector::staticWeight(const GridFrame& current, const cv::Mat2f& flow_cells) const {
-  cv::Mat1f weight = carryWithFlow(dynamic_probability_, flow_cells, previous_.depth_m, current.depth_m,
-                                   static_cast<float>(secondsBetween(previous_.stamp, current.stamp)), 0.3F);
-  const cv::Mat1f semantic = propagation_.dynamicNow();
-  for (int y = 0; y < weight.rows; ++y) {
-    for (int x = 0; x < weight.cols; ++x) {
-      float dynamic = weight(y, x);
-      if (!semantic.empty() && semantic(y, x) > dynamic) dynamic = semantic(y, x);
-      weight(y, x) = std::max(kLeastTrust, (1.0F - dynamic) * (1.0F - dynamic));
-    }
-  }
-  return weight;
+cv::Mat1f MotionDetector::staticWeight(const cv::Mat2f& source, const cv::Mat1f& semantic) const {
+  constexpr float kNewCell = 0.3F;  // what comes into view may be anything
+  cv::Mat1f dynamic = carryAlong(dynamic_probability_, source, kNewCell);
+  if (!semantic.empty()) raiseTo(semantic, dynamic);
+  for (float& value : dynamic) value = std::max(kLeastTrust, (1.0F - value) * (1.0F - value));
+  return dynamic;
 }
 
 MotionDetector::Estimate MotionDetector::explainByHomography(const GridFrame& current, const cv::Mat2f& flow_cells,
@@ -124,7 +153,7 @@ MotionDetector::Estimate MotionDetector::explainByHomography(const GridFrame& cu
 }
 
 MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& current, const cv::Mat2f& flow_cells,
-                                                            const cv::Mat1f& static_weight) {
+                                                            const cv::Mat2f& source, const cv::Mat1f& static_weight) {
   const double dt_s = secondsBetween(previous_.stamp, current.stamp);
   const SE3 predicted = velocity_dt_s_ > 0.0 ? scaleMotion(velocity_, dt_s / velocity_dt_s_) : SE3::Identity();
   const auto points = selectFlowPoints(previous_, current, flow_cells, static_weight, *grid_);
@@ -133,7 +162,7 @@ MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& cur
     // Too little depth, or nothing that stands still: a homography is the better guess, and the past is of no use.
     references_.clear();
     velocity_dt_s_ = 0.0;
-    memory_.carry(previous_, current, flow_cells);
+    memory_.carry(source, dt_s);
     return explainByHomography(current, flow_cells, static_weight);
   }
   velocity_ = camera.T_previous_current;
@@ -144,7 +173,7 @@ MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& cur
   const RigidFlowResidual residual =
       computeRigidFlowResidual(previous_, current, flow_cells, camera, *grid_, config_.rigid);
   const cv::Mat1f gain = compareBrightness(previous_, current, flow_cells, residual);
-  memory_.carry(previous_, current, flow_cells, residual, gain);
+  memory_.carry(source, dt_s, residual, gain);
   DepthVote vote;
   if (!references_.empty()) {
     // One reference a frame, in turn: the evidence gathers over frames, and each look costs a millisecond.
@@ -156,8 +185,7 @@ MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& cur
   estimate.camera = camera;
   estimate.inliers = camera.inliers;
   estimate.residual_px = residual.amplitude_px;
-  estimate.log_odds = memory_.surfaceLogOdds(current);
-  estimate.moving = cleanMask(estimate.log_odds > 0.0F, grid_->cellPx(), config_.cleanup);
+  estimate.log_odds = memory_.logOdds();
   return estimate;
 }
 
@@ -175,28 +203,16 @@ void MotionDetector::keepReference(const GridFrame& current) {
   if (references_.size() > kReferences) references_.pop_front();
 }
 
-MotionResult MotionDetector::compose(const Estimate& estimate, const cv::Mat2f& flow_cells, cv::Size full_size) {
-  const cv::Size size = grid_->size();
-  const cv::Mat1b moving = estimate.moving.empty() ? cv::Mat1b(cv::Mat1b::zeros(size)) : estimate.moving;
-  const cv::Mat1f semantic = propagation_.dynamicNow();
-  cv::Mat1b dynamic(size), moving_probability(size);
-  for (int y = 0; y < size.height; ++y) {
-    for (int x = 0; x < size.width; ++x) {
-      const bool moves = moving(y, x) != 0;
-      float probability = moves ? 0.9F : 0.1F;
-      if (!estimate.log_odds.empty()) probability = squash(estimate.log_odds(y, x));
-      // The cleaned mask decides; the evidence says how surely.
-      probability = moves ? std::max(probability, 0.55F) : std::min(probability, 0.45F);
-      if (estimate.model == MotionModel::kNone) probability = 0.0F;
-      moving_probability(y, x) = cv::saturate_cast<uchar>(255.0F * probability);
-      if (!semantic.empty() && semantic(y, x) > probability) probability = semantic(y, x);
-      dynamic_probability_(y, x) = probability;
-      dynamic(y, x) = cv::saturate_cast<uchar>(255.0F * probability);
-    }
-  }
+MotionResult MotionDetector::compose(const Estimate& estimate, const cv::Mat2f& flow_cells, const cv::Mat1f& semantic,
+                                     cv::Size full_size) {
+  dynamic_probability_ = movingProbability(estimate.moving, estimate.log_odds, grid_->size());
+  cv::Mat1b dynamic, moving;
+  dynamic_probability_.convertTo(moving, CV_8U, 255.0);
+  if (!semantic.empty()) raiseTo(semantic, dynamic_probability_);
+  dynamic_probability_.convertTo(dynamic, CV_8U, 255.0);
   MotionResult result;
   cv::resize(dynamic, result.dynamic, full_size, 0, 0, cv::INTER_LINEAR);
-  cv::resize(moving_probability, result.moving, full_size, 0, 0, cv::INTER_LINEAR);
+  cv::resize(moving, result.moving, full_size, 0, 0, cv::INTER_LINEAR);
   result.flow_px = flow_cells * grid_->cellPx();
   result.residual_px = estimate.residual_px;
   result.model = estimate.model;

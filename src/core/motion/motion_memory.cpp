@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "semantic_vslam/core/motion/edge_aware_filter.h"
 #include "semantic_vslam/core/motion/flow_carry.h"
 
 namespace semantic_vslam {
@@ -23,8 +22,6 @@ constexpr float kStayed = -0.25F;    // where it was in an earlier depth image
 // Residuals: from kSilent sigmas on the flow speaks for motion, at kFull fully.
 constexpr float kStaysSigmas = 2.0F, kSilentSigmas = 3.0F, kFullSigmas = 7.0F;
 constexpr float kTexture = 4.0F;  // gray levels per cell at which a flow that agrees says something
-constexpr float kReachCells = 6.0F;
-constexpr float kHoleWeight = 0.3F;
 
 float flowEvidence(float sigmas, float gain, float texture) {
   if (std::isnan(sigmas)) return 0.0F;
@@ -45,28 +42,27 @@ void MotionMemory::fade(cv::Mat1f carried, double age_s) {
   log_odds_ = carried;
 }
 
-void MotionMemory::carry(const GridFrame& previous, const GridFrame& current, const cv::Mat2f& flow_cells) {
-  const double dt_s = secondsBetween(previous.stamp, current.stamp);
-  fade(carryWithFlow(log_odds_, flow_cells, previous.depth_m, current.depth_m, static_cast<float>(dt_s), kPrior), dt_s);
-}
+void MotionMemory::carry(const cv::Mat2f& source, double dt_s) { fade(carryAlong(log_odds_, source, kPrior), dt_s); }
 
-void MotionMemory::carry(const GridFrame& previous, const GridFrame& current, const cv::Mat2f& flow_cells,
-                         const RigidFlowResidual& residual, const cv::Mat1f& brightness_gain) {
-  const double dt_s = secondsBetween(previous.stamp, current.stamp);
-  cv::Mat1f carried =
-      carryWithFlow(log_odds_, flow_cells, previous.depth_m, current.depth_m, static_cast<float>(dt_s), kPrior);
+void MotionMemory::carry(const cv::Mat2f& source, double dt_s, const RigidFlowResidual& residual,
+                         const cv::Mat1f& brightness_gain) {
+  cv::Mat1f carried = carryAlong(log_odds_, source, kPrior);
   const auto right = static_cast<float>(carried.cols - 1), bottom = static_cast<float>(carried.rows - 1);
   for (int y = 0; y < carried.rows; ++y) {
+    const float *sigmas = residual.sigmas[y], *gains = brightness_gain[y];
+    const uchar* hidden = residual.hidden[y];
+    const cv::Vec2f* previous = residual.previous[y];
+    float* out = carried[y];
     for (int x = 0; x < carried.cols; ++x) {
       // Below a sigma both come from the same place.
-      if (residual.sigmas(y, x) < 1.0F && !residual.hidden(y, x)) continue;
-      const cv::Vec2f at = residual.previous(y, x);
+      if (sigmas[x] < 1.0F && hidden[x] == 0) continue;
+      const cv::Vec2f at = previous[x];
       if (!(at[0] >= 0.0F && at[1] >= 0.0F && at[0] <= right && at[1] <= bottom)) continue;
-      const float if_still = residual.hidden(y, x) ? kPrior : sampleBilinear(log_odds_, at[0], at[1]);
-      const float if_moving = carried(y, x), gain = brightness_gain(y, x);
+      const float if_still = hidden[x] != 0 ? kPrior : sampleBilinear(log_odds_, at[0], at[1]);
+      const float if_moving = out[x], gain = gains[x];
       const float undecided = std::min(if_still, if_moving);
       const float decided = gain > 0.0F ? if_moving : if_still;
-      carried(y, x) = undecided + std::abs(gain) * (decided - undecided);
+      out[x] = undecided + std::abs(gain) * (decided - undecided);
     }
   }
   fade(carried, dt_s);
@@ -74,24 +70,18 @@ void MotionMemory::carry(const GridFrame& previous, const GridFrame& current, co
 
 void MotionMemory::add(const GridFrame& current, const RigidFlowResidual& residual, const cv::Mat1f& brightness_gain,
                        const DepthVote& vote) {
+  const bool voted = !vote.entered.empty();
   for (int y = 0; y < log_odds_.rows; ++y) {
     const float *sigmas = residual.sigmas[y], *gain = brightness_gain[y], *texture = current.texture[y];
+    const float *entered = voted ? vote.entered[y] : nullptr, *stayed = voted ? vote.stayed[y] : nullptr;
     const uchar* hidden = residual.hidden[y];
     float* out = log_odds_[y];
     for (int x = 0; x < log_odds_.cols; ++x) {
-      if (!hidden[x]) out[x] += flowEvidence(sigmas[x], gain[x], texture[x]);
-      if (!vote.entered.empty()) out[x] += kEntered * vote.entered(y, x) + kStayed * vote.stayed(y, x);
+      if (hidden[x] == 0) out[x] += flowEvidence(sigmas[x], gain[x], texture[x]);
+      if (voted) out[x] += kEntered * entered[x] + kStayed * stayed[x];
       out[x] = std::clamp(out[x], kLowest, kHighest);
     }
   }
-}
-
-cv::Mat1f MotionMemory::surfaceLogOdds(const GridFrame& current) const {
-  cv::Mat1f weights(log_odds_.size());
-  for (int y = 0; y < weights.rows; ++y) {
-    for (int x = 0; x < weights.cols; ++x) weights(y, x) = current.depth_m(y, x) > 0.0F ? 1.0F : kHoleWeight;
-  }
-  return filterAlongDepth(log_odds_, weights, current.depth_m, kReachCells);
 }
 
 }  // namespace semantic_vslam

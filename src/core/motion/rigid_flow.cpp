@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 namespace semantic_vslam {
 namespace {
@@ -21,21 +22,23 @@ constexpr float kNoiseSigmas = 1.5F;
 // Gain in brightness error at which the measured flow is believed fully, gray levels (image noise is 2 to 4).
 constexpr float kFullGain = 6.0F;
 
-struct DepthRange {
-  float low_m, high_m;
-};
-
-DepthRange plausibleDepth(const GridFrame& frame, const RigidFlowConfig& config, int y, int x) {
-  const float low = frame.depth_low_m(y, x), high = frame.depth_high_m(y, x);
-  if (low <= 0.0F || high <= 0.0F) return {kHoleNearM, kHoleFarM};
-  return {std::max(0.1F, low - kDepthSigmas * depthSigma(config, low)), high + kDepthSigmas * depthSigma(config, high)};
+/// Nearest and farthest depth that each cell of a row may have.
+void plausibleDepths(const GridFrame& frame, const RigidFlowConfig& config, int y, std::vector<float>& near_m,
+                     std::vector<float>& far_m) {
+  const float *low = frame.depth_low_m[y], *high = frame.depth_high_m[y];
+  for (int x = 0; x < frame.depth_m.cols; ++x) {
+    const bool known = low[x] > 0.0F && high[x] > 0.0F;
+    const float nearest = std::max(0.1F, low[x] - kDepthSigmas * depthSigma(config, low[x]));
+    const float farthest = high[x] + kDepthSigmas * depthSigma(config, high[x]);
+    near_m[x] = known ? nearest : kHoleNearM;
+    far_m[x] = known ? farthest : kHoleFarM;
+  }
 }
 
 cv::Point2f closestOnSegment(const cv::Point2f& a, const cv::Point2f& b, const cv::Point2f& p) {
+  constexpr float kPoint = 1e-8F;  // shorter than 1e-4 cells: any of its points is the closest
   const cv::Point2f along = b - a;
-  const float length_squared = along.dot(along);
-  if (length_squared < 1e-8F) return a;
-  return a + along * std::clamp((p - a).dot(along) / length_squared, 0.0F, 1.0F);
+  return a + along * std::clamp((p - a).dot(along) / std::max(along.dot(along), kPoint), 0.0F, 1.0F);
 }
 
 /// True if, standing still, even the nearest depth the cell may have was behind what the previous frame saw there.
@@ -71,27 +74,28 @@ RigidFlowResidual computeRigidFlowResidual(const GridFrame& previous, const Grid
   const auto sigma_r = static_cast<float>(motion.rotation_sigma_rad) * focal_px;
   const auto flow_sigma = static_cast<float>(motion.flow_sigma_px);
   const float fixed_variance = flow_sigma * flow_sigma + sigma_r * sigma_r;
+  std::vector<float> near_m(size.width), far_m(size.width);
+  ProjectedRow nearest(size.width), farthest(size.width);
   for (int y = 0; y < size.height; ++y) {
-    const cv::Vec2f *rays = grid.rays()[y], *flow = flow_cells[y];
+    plausibleDepths(current, config, y, near_m, far_m);
+    grid.projectRow(y, near_m.data(), T_previous_current, nearest);
+    grid.projectRow(y, far_m.data(), T_previous_current, farthest);
+    const cv::Vec2f* flow = flow_cells[y];
     float *amplitude_px = out.amplitude_px[y], *sigmas = out.sigmas[y];
     cv::Vec2f* source = out.previous[y];
     uchar* hidden = out.hidden[y];
     for (int x = 0; x < size.width; ++x) {
-      const DepthRange depth = plausibleDepth(current, config, y, x);
-      const cv::Point3f turned = T_previous_current.turn(rays[x]);
-      const cv::Point3f nearest = T_previous_current.at(turned, depth.low_m);
-      const cv::Point3f farthest = T_previous_current.at(turned, depth.high_m);
       const cv::Point2f measured(static_cast<float>(x) - flow[x][0], static_cast<float>(y) - flow[x][1]);
-      const cv::Point2f predicted = closestOnSegment(grid.project(nearest.x, nearest.y, nearest.z),
-                                                     grid.project(farthest.x, farthest.y, farthest.z), measured);
+      const cv::Point2f predicted =
+          closestOnSegment({nearest.x[x], nearest.y[x]}, {farthest.x[x], farthest.y[x]}, measured);
       source[x] = {predicted.x, predicted.y};
-      hidden[x] = wasHidden(previous, predicted, nearest.z, config) ? 255 : 0;
+      hidden[x] = wasHidden(previous, predicted, nearest.depth_m[x], config) ? 255 : 0;
       if (!grid.contains(measured)) {
         amplitude_px[x] = sigmas[x] = kNan;
         continue;
       }
       const cv::Point2f difference = measured - predicted;
-      const float shift = sigma_t / depth.low_m;
+      const float shift = sigma_t / near_m[x];
       amplitude_px[x] = std::sqrt(difference.dot(difference)) * grid.cellPx();  // eq. (1)
       sigmas[x] = amplitude_px[x] / std::sqrt(fixed_variance + shift * shift);
     }

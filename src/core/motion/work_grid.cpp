@@ -99,10 +99,36 @@ WorkGrid::WorkGrid(std::shared_ptr<const CameraModel> camera, int flow_width_px)
   fy_ = static_cast<float>(k.fy * scale_y);
   cx_ = static_cast<float>((k.cx + 0.5) * scale_x - 0.5);
   cy_ = static_cast<float>((k.cy + 0.5) * scale_y - 0.5);
-  distorted_ = camera_->distorted();
   for (std::size_t i = 0; i < k_.size(); ++i) k_[i] = static_cast<float>(k.distortion[i]);
   // At this reduction the linear filter takes the mean of the pixels about the cell's centre: the ray there.
   cv::resize(camera_->rays(), rays_, size_, 0, 0, cv::INTER_LINEAR);
+  cv::extractChannel(rays_, rays_x_, 0);
+  cv::extractChannel(rays_, rays_y_, 1);
+}
+
+void WorkGrid::projectRow(int row, const float* depth_m, const CellTransform& T, ProjectedRow& out) const {
+  // Two simple loops without branches, so that the compiler takes four cells at a time.
+  const int width = size_.width;
+  const float *ray_x = rays_x_[row], *ray_y = rays_y_[row];
+  const auto coordinate = [&](int axis, float* moved_m) {
+    const float rx = T.R(axis, 0), ry = T.R(axis, 1), rz = T.R(axis, 2), t = T.t(axis);
+    for (int i = 0; i < width; ++i) moved_m[i] = (rx * ray_x[i] + ry * ray_y[i] + rz) * depth_m[i] + t;
+  };
+  float *x = out.x.data(), *y = out.y.data(), *z = out.depth_m.data();
+  coordinate(0, x);
+  coordinate(1, y);
+  coordinate(2, z);
+  const auto [k1, k2, p1, p2, k3] = k_;
+  const float fx = fx_, fy = fy_, cx = cx_, cy = cy_;
+  constexpr float kNearestM = 1e-3F;
+  for (int i = 0; i < width; ++i) {
+    const float inverse_z = 1.0F / (z[i] > kNearestM ? z[i] : kNearestM);
+    const float a = x[i] * inverse_z, b = y[i] * inverse_z;
+    const float r2 = a * a + b * b;
+    const float radial = 1.0F + r2 * (k1 + r2 * (k2 + r2 * k3));
+    x[i] = fx * (a * radial + 2.0F * p1 * a * b + p2 * (r2 + 2.0F * a * a)) + cx;
+    y[i] = fy * (b * radial + p1 * (r2 + 2.0F * b * b) + 2.0F * p2 * a * b) + cy;
+  }
 }
 
 cv::Vec2f WorkGrid::rayAt(float x, float y) const {

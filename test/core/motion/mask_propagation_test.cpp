@@ -7,6 +7,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "semantic_vslam/core/motion/flow_carry.h"
+
 namespace semantic_vslam {
 namespace {
 
@@ -20,16 +22,16 @@ LabelSet labelSet() {
   return set;
 }
 
-GridFrame gridFrame(double seconds, const cv::Mat1f& depth_m) {
-  GridFrame frame;
-  frame.stamp = Stamp::fromSeconds(seconds);
-  frame.depth_m = depth_m;
-  return frame;
-}
-
 cv::Mat1f evenDepth() { return cv::Mat1f(kHeight, kWidth, 2.0F); }
 
-cv::Mat2f shift(float u, float v) { return cv::Mat2f(kHeight, kWidth, cv::Vec2f(u, v)); }
+/// Source of a flow that is the same everywhere.
+cv::Mat2f shift(float u, float v, const cv::Mat1f& previous_depth_m = evenDepth()) {
+  return traceBack(cv::Mat2f(kHeight, kWidth, cv::Vec2f(u, v)), previous_depth_m, evenDepth(), 0.03);
+}
+
+void addFrame(MaskPropagation& propagation, double seconds, const cv::Mat2f& source) {
+  propagation.addFrame(Stamp::fromSeconds(seconds), {kWidth, kHeight}, source);
+}
 
 cv::Mat1b labelsWithBlock(std::uint8_t label, const cv::Rect& cells) {
   cv::Mat1b labels = cv::Mat1b::zeros(kHeight * kCellPx, kWidth * kCellPx);
@@ -39,23 +41,23 @@ cv::Mat1b labelsWithBlock(std::uint8_t label, const cv::Rect& cells) {
 
 TEST(MaskPropagationTest, CarriesALateMaskAlongTheFlow) {
   MaskPropagation propagation{MaskPropagationConfig()};
-  propagation.addFrame(gridFrame(0.0, evenDepth()), {});
-  for (int i = 1; i <= 5; ++i) propagation.addFrame(gridFrame(0.03 * i, evenDepth()), shift(2.0F, -1.0F));
+  addFrame(propagation, 0.0, {});
+  for (int i = 1; i <= 5; ++i) addFrame(propagation, 0.03 * i, shift(2.0F, -1.0F));
   EXPECT_FALSE(propagation.hasMask());
   ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.0), labelsWithBlock(kPerson, {10, 12, 6, 8}), labelSet()));
   const cv::Mat1f dynamic = propagation.dynamicNow();
   EXPECT_GT(dynamic(7 + 4, 20 + 3), 0.9F);  // block moved by (10, -5)
   EXPECT_LT(dynamic(16, 12), 0.1F);         // where it was
   // One more frame goes on from there.
-  propagation.addFrame(gridFrame(0.18, evenDepth()), shift(2.0F, -1.0F));
+  addFrame(propagation, 0.18, shift(2.0F, -1.0F));
   EXPECT_GT(propagation.dynamicNow()(6 + 4, 22 + 3), 0.9F);
 }
 
 TEST(MaskPropagationTest, DoesNotBlurWithTheNumberOfFrames) {
   MaskPropagation propagation{MaskPropagationConfig()};
-  propagation.addFrame(gridFrame(0.0, evenDepth()), {});
+  addFrame(propagation, 0.0, {});
   ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.0), labelsWithBlock(kPerson, {10, 12, 6, 8}), labelSet()));
-  for (int i = 1; i <= 30; ++i) propagation.addFrame(gridFrame(0.033 * i, evenDepth()), shift(0.3F, 0.0F));
+  for (int i = 1; i <= 30; ++i) addFrame(propagation, 0.033 * i, shift(0.3F, 0.0F));
   const cv::Mat1f dynamic = propagation.dynamicNow();  // block now at x 19 .. 25
   EXPECT_LT(dynamic(16, 17), 0.3F);
   EXPECT_GT(dynamic(16, 20), 0.7F);
@@ -67,9 +69,9 @@ TEST(MaskPropagationTest, LosesTheMaskWhereBackgroundIsUncovered) {
   MaskPropagation propagation{MaskPropagationConfig()};
   cv::Mat1f near = evenDepth();
   near(cv::Rect(10, 10, 10, 10)) = 1.0F;
-  propagation.addFrame(gridFrame(0.0, near), {});
+  addFrame(propagation, 0.0, {});
   ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.0), labelsWithBlock(kPerson, {10, 10, 10, 10}), labelSet()));
-  propagation.addFrame(gridFrame(0.03, evenDepth()), shift(0.0F, 0.0F));
+  addFrame(propagation, 0.03, shift(0.0F, 0.0F, near));
   EXPECT_TRUE(std::isnan(propagation.dynamicNow()(15, 15)));
 }
 
@@ -77,17 +79,17 @@ TEST(MaskPropagationTest, TrustFadesWithTheConfiguredTime) {
   MaskPropagationConfig config;
   config.time_constant_s = 0.5;
   MaskPropagation propagation(config);
-  propagation.addFrame(gridFrame(0.0, evenDepth()), {});
+  addFrame(propagation, 0.0, {});
   ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.0), labelsWithBlock(kPerson, {10, 10, 10, 10}), labelSet()));
-  propagation.addFrame(gridFrame(0.5, evenDepth()), shift(0.0F, 0.0F));
+  addFrame(propagation, 0.5, shift(0.0F, 0.0F));
   EXPECT_NEAR(propagation.dynamicNow()(15, 15), 0.5 + 0.5 * std::exp(-1.0), 1e-3);
-  propagation.addFrame(gridFrame(1.6, evenDepth()), shift(0.0F, 0.0F));
+  addFrame(propagation, 1.6, shift(0.0F, 0.0F));
   EXPECT_FALSE(propagation.hasMask());
 }
 
 TEST(MaskPropagationTest, MovableThingsCountOnlyIfEnoughOfThemMoved) {
   MaskPropagation propagation{MaskPropagationConfig()};  // phi = 0.3
-  propagation.addFrame(gridFrame(0.0, evenDepth()), {});
+  addFrame(propagation, 0.0, {});
   cv::Mat1b labels = labelsWithBlock(kChair, {2, 2, 10, 10});
   labels.setTo(kChair, labelsWithBlock(kChair, {20, 2, 10, 10}) == kChair);
   cv::Mat1b moving(kHeight, kWidth, static_cast<uchar>(0));
@@ -106,8 +108,8 @@ TEST(MaskPropagationTest, IgnoresLabelsOfFramesItDoesNotKnow) {
   MaskPropagation propagation(config);
   const cv::Mat1b labels = labelsWithBlock(kPerson, {10, 10, 10, 10});
   EXPECT_FALSE(propagation.addLabels(Stamp::fromSeconds(0.0), labels, labelSet()));
-  propagation.addFrame(gridFrame(0.0, evenDepth()), {});
-  propagation.addFrame(gridFrame(1.2, evenDepth()), shift(0.0F, 0.0F));
+  addFrame(propagation, 0.0, {});
+  addFrame(propagation, 1.2, shift(0.0F, 0.0F));
   EXPECT_FALSE(propagation.addLabels(Stamp::fromSeconds(0.0), labels, labelSet()));  // too late
   EXPECT_FALSE(propagation.addLabels(Stamp::fromSeconds(0.6), labels, labelSet()));  // never seen
   EXPECT_TRUE(propagation.addLabels(Stamp::fromSeconds(1.2), labels, labelSet()));

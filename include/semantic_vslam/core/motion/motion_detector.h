@@ -38,21 +38,24 @@ class MotionDetector {
   /// What one frame's flow and depth show, on the grid.
   struct Estimate {
     MotionModel model = MotionModel::kNone;
-    cv::Mat1b moving;    // 255 = moving
-    cv::Mat1f log_odds;  // above 0 = moving
+    cv::Mat1b moving;    // 255 = moving; of the rigid model once its surfaces have been put together
+    cv::Mat1f log_odds;  // above 0 = moving; of the rigid model only
     cv::Mat1f residual_px;
     CameraMotion camera;
     int inliers = 0;
   };
 
   void start(const RgbdFrame& frame);
-  /// Probability that a cell stood still in the previous frame, carried to the present one.
-  cv::Mat1f staticWeight(const GridFrame& current, const cv::Mat2f& flow_cells) const;
+  /// Probability that a cell stood still in the previous frame, carried to the present one. @param source  of
+  /// traceBack()  @param semantic  of MaskPropagation::dynamicNow()
+  cv::Mat1f staticWeight(const cv::Mat2f& source, const cv::Mat1f& semantic) const;
   Estimate explainByHomography(const GridFrame& current, const cv::Mat2f& flow_cells, const cv::Mat1f& static_weight);
-  Estimate explainByRigidFlow(const GridFrame& current, const cv::Mat2f& flow_cells, const cv::Mat1f& static_weight);
+  Estimate explainByRigidFlow(const GridFrame& current, const cv::Mat2f& flow_cells, const cv::Mat2f& source,
+                              const cv::Mat1f& static_weight);
   void advanceReferences(const CameraMotion& camera);
   void keepReference(const GridFrame& current);
-  MotionResult compose(const Estimate& estimate, const cv::Mat2f& flow_cells, cv::Size full_size);
+  MotionResult compose(const Estimate& estimate, const cv::Mat2f& flow_cells, const cv::Mat1f& semantic,
+                       cv::Size full_size);
 
   MotionConfig config_;
   DenseFlow dense_flow_;

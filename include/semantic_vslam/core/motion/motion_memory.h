@@ -18,17 +18,15 @@ class MotionMemory {
 
   void reset(cv::Size grid_size);
   /// Moves the evidence from the previous frame to the present one along the flow and lets it fade with time.
-  void carry(const GridFrame& previous, const GridFrame& current, const cv::Mat2f& flow_cells);
+  /// @param source  of traceBack()  @param dt_s  time between the frames
+  void carry(const cv::Mat2f& source, double dt_s);
   /// The same where the camera's motion is known: a cell whose brightness the rigid flow explains as well takes the
   /// evidence from there, so that a walker's flow, smeared over a still wall, does not carry his evidence onto it.
-  void carry(const GridFrame& previous, const GridFrame& current, const cv::Mat2f& flow_cells,
-             const RigidFlowResidual& residual, const cv::Mat1f& brightness_gain);
+  void carry(const cv::Mat2f& source, double dt_s, const RigidFlowResidual& residual, const cv::Mat1f& brightness_gain);
   /// Adds what this frame shows.
   /// @param brightness_gain  of compareBrightness()  @param vote  empty images: no earlier depth yet
   void add(const GridFrame& current, const RigidFlowResidual& residual, const cv::Mat1f& brightness_gain,
            const DepthVote& vote);
-  /// @return log-odds after sharing evidence along surfaces; above 0 = moving.
-  cv::Mat1f surfaceLogOdds(const GridFrame& current) const;
   const cv::Mat1f& logOdds() const { return log_odds_; }
 
  private:

@@ -7,11 +7,21 @@
 #include <array>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <vector>
 
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/geometry/se3.h"
 
 namespace semantic_vslam {
+
+struct CellTransform;
+
+/// One row of cells as another camera sees them, each at its depth.
+struct ProjectedRow {
+  explicit ProjectedRow(int cells) : x(cells), y(cells), depth_m(cells) {}
+  std::vector<float> x, y;     ///< position on the grid, cells (may lie outside; meaningless behind the camera)
+  std::vector<float> depth_m;  ///< there; 0 or less: behind the camera
+};
 
 /// The camera seen on the motion stage's working grid, whose cells are `cell_px` x `cell_px` pixels of the full image.
 /// Cell (x, y) stands for the full-image position ((x + 0.5) * cell_px - 0.5, (y + 0.5) * cell_px - 0.5).
@@ -36,9 +46,12 @@ class WorkGrid {
   cv::Point2f project(float x, float y, float z) const {
     const float inverse_z = 1.0F / z;
     float a = x * inverse_z, b = y * inverse_z;
-    if (distorted_) distort(a, b);
+    distort(a, b);
     return {fx_ * a + cx_, fy_ * b + cy_};
   }
+  /// Projects one row of the grid, at the given depths, into a camera that T takes its points to.
+  /// @param depth_m  one a cell, metres
+  void projectRow(int row, const float* depth_m, const CellTransform& T, ProjectedRow& out) const;
   bool contains(const cv::Point2f& cell) const {
     return cell.x >= 0.0F && cell.y >= 0.0F && cell.x <= static_cast<float>(size_.width - 1) &&
            cell.y <= static_cast<float>(size_.height - 1);
@@ -57,9 +70,9 @@ class WorkGrid {
   cv::Size size_;
   float cell_px_ = 1.0F;
   float fx_ = 0, fy_ = 0, cx_ = 0, cy_ = 0;  // in cells
-  bool distorted_ = false;
   std::array<float, 5> k_{};
   cv::Mat2f rays_;
+  cv::Mat1f rays_x_, rays_y_;  // the same, one channel each
 };
 
 /// What the motion stage keeps of a frame. All but `gray` have the grid's size.

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "semantic_vslam/core/common/config_fields.h"
-#include "semantic_vslam/core/segmentation/connected_regions.h"
+#include "semantic_vslam/core/segmentation/mask_bands.h"
 
 namespace semantic_vslam {
 namespace {
@@ -25,27 +25,12 @@ T medianOf(std::vector<T> values) {
   return values[values.size() / 2];
 }
 
-float squaredDistance(const cv::Vec3f& a, const cv::Vec3f& b) {
-  const float dx = a[0] - b[0], dy = a[1] - b[1], dz = a[2] - b[2];
-  return dx * dx + dy * dy + dz * dz;
-}
-
-/// One connected mask: its pixels, where it is grown from and how far it may step.
-struct Mask {
-  const int* pixels = nullptr;  ///< row * width + column, in raster order
-  std::size_t size_px = 0;
-  MaskMoments moments;
-  int seed = -1;                         ///< pixel; -1: the mask has no depth
-  float squared_threshold_m2 = 0.0F;     ///< T^2 of eq. (4) at the reference depth
-  float inverse_reference_depth = 0.0F;  ///< 1/m
-};
-
 /// Collects the masks' pixels and computes the 3-D points of all of them; other points stay undefined.
 /// @param pixels, points_m  memory for the result
-std::vector<Mask> collectMasks(const ConnectedRegions& masks, const RgbdFrame& frame, std::vector<int>& pixels,
-                               cv::Mat3f& points_m) {
+std::vector<GrownMask> collectMasks(const ConnectedRegions& masks, const RgbdFrame& frame, std::vector<int>& pixels,
+                                    cv::Mat3f& points_m) {
   std::vector<int*> next(masks.count);
-  std::vector<Mask> collected(masks.count);
+  std::vector<GrownMask> collected(masks.count);
   pixels.resize(std::accumulate(masks.size_px.begin(), masks.size_px.end(), std::size_t{0}));
   int* first = pixels.data();
   for (int m = 0; m < masks.count; ++m) {
@@ -70,7 +55,7 @@ std::vector<Mask> collectMasks(const ConnectedRegions& masks, const RgbdFrame& f
 }
 
 /// The centroid's pixel, or the mask's nearest to it that has depth; -1 if none has.
-int findSeed(const Mask& mask, const ConnectedRegions& masks, int mask_id, const cv::Mat3f& points_m) {
+int findSeed(const GrownMask& mask, const ConnectedRegions& masks, int mask_id, const cv::Mat3f& points_m) {
   const cv::Point2d centroid = mask.moments.centroid();
   const cv::Point at(cvRound(centroid.x), cvRound(centroid.y));
   if (masks.id(at) == mask_id && points_m(at)[2] > 0.0F) return at.y * masks.id.cols + at.x;
@@ -89,7 +74,7 @@ int findSeed(const Mask& mask, const ConnectedRegions& masks, int mask_id, const
 }
 
 /// Median over some pixels of the mask, evenly taken: the depth that its threshold holds at.
-float typicalDepth(const Mask& mask, const cv::Mat3f& points_m) {
+float typicalDepth(const GrownMask& mask, const cv::Mat3f& points_m) {
   constexpr std::size_t kPixels = 255;
   std::vector<float> depths;
   for (std::size_t k = 0; k < mask.size_px; k += 1 + mask.size_px / kPixels) {
@@ -99,7 +84,7 @@ float typicalDepth(const Mask& mask, const cv::Mat3f& points_m) {
   return depths.empty() ? points_m.ptr<cv::Vec3f>()[mask.seed][2] : medianOf(std::move(depths));
 }
 
-void prepareGrowth(Mask& mask, const ConnectedRegions& masks, int mask_id, const cv::Mat3f& points_m,
+void prepareGrowth(GrownMask& mask, const ConnectedRegions& masks, int mask_id, const cv::Mat3f& points_m,
                    const RefinementConfig& config) {
   mask.seed = findSeed(mask, masks, mask_id, points_m);
   if (mask.seed < 0) return;
@@ -109,103 +94,6 @@ void prepareGrowth(Mask& mask, const ConnectedRegions& masks, int mask_id, const
   const double threshold_m = rho_m > 0.0 ? config.epsilon * rho_m : std::numeric_limits<double>::infinity();  // eq. (4)
   mask.squared_threshold_m2 = static_cast<float>(threshold_m * threshold_m);
   mask.inverse_reference_depth = 1.0F / typicalDepth(mask, points_m);
-}
-
-/// Whether growth steps from one pixel of a mask to a neighbouring one, and whether one stands clearly behind another.
-class Steps {
- public:
-  Steps(const ConnectedRegions& masks, const std::vector<Mask>& prepared, const cv::Mat3f& points_m)
-      : mask_of_(masks.id.ptr<int>()), prepared_(prepared), point_m_(points_m.ptr<cv::Vec3f>()) {}
-
-  bool hasDepth(int i) const { return point_m_[i][2] > 0.0F; }
-  bool sameMask(int a, int b) const { return mask_of_[a] == mask_of_[b]; }
-
-  /// Both in one mask, and both holes or closer than T.
-  bool joined(int a, int b) const {
-    if (!sameMask(a, b)) return false;
-    if (!hasDepth(a) || !hasDepth(b)) return hasDepth(a) == hasDepth(b);
-    return isBelow(squaredDistance(point_m_[a], point_m_[b]), 1.0F, a, b);
-  }
-  /// @return the one of two pixels with depth that another surface hides partly; -1 if there is no such step.
-  int behind(int a, int b) const {
-    constexpr float kClearSteps = 4.0F;  // several T: noise does not look like an edge
-    const float za = point_m_[a][2], zb = point_m_[b][2];
-    if (isBelow((za - zb) * (za - zb), kClearSteps, a, b)) return -1;
-    return za > zb ? a : b;
-  }
-
- private:
-  /// Whether a distance is below T times `steps`. Pixels of a farther part lie farther apart: T grows with them.
-  bool isBelow(float squared_m2, float steps, int a, int b) const {
-    const Mask& mask = prepared_[mask_of_[a]];
-    const float least_m2 = steps * steps * mask.squared_threshold_m2;
-    if (squared_m2 < least_m2) return true;
-    const float farther = std::min(point_m_[a][2], point_m_[b][2]) * mask.inverse_reference_depth;
-    return squared_m2 < farther * farther * least_m2;
-  }
-
-  const int* mask_of_;
-  const std::vector<Mask>& prepared_;
-  const cv::Vec3f* point_m_;
-};
-
-/// Distance from some pixels on the way that growth takes, px in four directions, up to a limit; 255 beyond it.
-void growthDistance(std::vector<int> front, const Steps& steps, int limit_px, cv::Mat1b& distance) {
-  const int width = distance.cols, height = distance.rows;
-  distance.setTo(255);
-  std::uint8_t* distance_of = distance.ptr<std::uint8_t>();
-  for (const int i : front) distance_of[i] = 0;
-  std::vector<int> next;
-  for (int d = 1; d <= limit_px && !front.empty(); ++d) {
-    next.clear();
-    const auto visit = [&](int from, int to) {
-      if (distance_of[to] != 255 || !steps.joined(from, to)) return;
-      distance_of[to] = static_cast<std::uint8_t>(d);
-      next.push_back(to);
-    };
-    for (const int i : front) {
-      const int u = i % width, v = i / width;
-      if (u > 0) visit(i, i - 1);
-      if (u + 1 < width) visit(i, i + 1);
-      if (v > 0) visit(i, i - width);
-      if (v + 1 < height) visit(i, i + width);
-    }
-    std::swap(front, next);
-  }
-}
-
-/// What a mask that is too large shows of the background: bands between a step, on whose far side they lie, and the
-/// mask's border. Growth reaches them where the object touches what it stands on; they are not the object for all that.
-/// @param bands  set to 255 on such bands of up to width_px; `scratch` is memory
-void findBands(const ConnectedRegions& masks, const std::vector<Mask>& prepared, const Steps& steps, int width_px,
-               cv::Mat1b& bands, cv::Mat1b& scratch) {
-  const int width = masks.id.cols, height = masks.id.rows;
-  std::vector<int> border, hidden, last_in_column(width, -1);
-  const auto compare = [&](int before, int now) {  // both have depth; holes between them are looked across
-    if (before < 0 || !steps.sameMask(before, now)) return;
-    const int behind = steps.behind(before, now);
-    if (behind >= 0) hidden.push_back(behind);
-  };
-  const int* id = masks.id.ptr<int>();
-  for (int v = 0, i = 0; v < height; ++v) {
-    int last_in_row = -1;
-    for (int u = 0; u < width; ++u, ++i) {
-      if (id[i] < 0 || prepared[id[i]].seed < 0) continue;
-      const bool on_border = (u > 0 && id[i - 1] != id[i]) || (u + 1 < width && id[i + 1] != id[i]) ||
-                             (v > 0 && id[i - width] != id[i]) || (v + 1 < height && id[i + width] != id[i]);
-      if (on_border) border.push_back(i);
-      if (!steps.hasDepth(i)) continue;
-      compare(last_in_row, i);
-      compare(last_in_column[u], i);
-      last_in_row = last_in_column[u] = i;
-    }
-  }
-  bands.create(masks.id.size());
-  scratch.create(masks.id.size());
-  growthDistance(std::move(border), steps, width_px, bands);
-  growthDistance(std::move(hidden), steps, width_px, scratch);
-  cv::add(bands, scratch, scratch);  // saturates: what one of them does not reach stays 255
-  cv::compare(scratch, width_px, bands, cv::CMP_LT);
 }
 
 /// A piece of a mask: one depth-continuous surface, or one hole.
@@ -251,7 +139,7 @@ std::vector<Piece> describePieces(const ConnectedRegions& parts, const Connected
 }
 
 /// The seed's piece of each mask, or its largest where the seed fell on something less than half as large; -1: none.
-std::vector<int> mainPieces(const std::vector<Mask>& masks, const std::vector<Piece>& pieces,
+std::vector<int> mainPieces(const std::vector<GrownMask>& masks, const std::vector<Piece>& pieces,
                             const ConnectedRegions& parts) {
   std::vector<int> main(masks.size(), -1);
   for (std::size_t k = 0; k < pieces.size(); ++k) {
@@ -270,7 +158,7 @@ bool near(const Piece& piece, const Piece& main, const RefinementConfig& config)
   return std::abs(piece.depthM() - main.depthM()) <= config.object_depth_m;
 }
 
-void keepSurfaces(std::vector<Piece>& pieces, const std::vector<int>& main, const std::vector<Mask>& masks,
+void keepSurfaces(std::vector<Piece>& pieces, const std::vector<int>& main, const std::vector<GrownMask>& masks,
                   const RefinementConfig& config) {
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     Piece& piece = pieces[k];
@@ -287,11 +175,11 @@ void keepSurfaces(std::vector<Piece>& pieces, const std::vector<int>& main, cons
 /// What the growths left out stays if most of the pixels around it stay: holes, and specks of noise at about the
 /// object's depth, but not the wall seen through the crook of an arm. What lies outside the mask counts against it:
 /// sensors lose depth beside an object, in its shadow, as well as on it.
-void keepEnclosed(std::vector<Piece>& pieces, const std::vector<int>& main, const std::vector<Mask>& masks,
+void keepEnclosed(std::vector<Piece>& pieces, const std::vector<int>& main, const std::vector<GrownMask>& masks,
                   const ConnectedRegions& parts, const cv::Mat1b& bands, const RefinementConfig& config) {
   const cv::Rect image({0, 0}, parts.id.size());
   std::vector<int> balance(pieces.size(), 0);
-  for (const Mask& mask : masks) {
+  for (const GrownMask& mask : masks) {
     for (std::size_t k = 0; k < mask.size_px; ++k) {
       const int i = mask.pixels[k], part = parts.id.ptr<int>()[i];
       if (pieces[part].keep) continue;
@@ -373,14 +261,14 @@ cv::Mat1b DepthRefiner::refine(const cv::Mat1b& labels, const LabelSet& label_se
   connectRegions(
       labels.size(), [label](int i) { return label[i] != 0; }, [label](int a, int b) { return label[a] == label[b]; },
       masks);
-  std::vector<Mask> grown = collectMasks(masks, frame, pixels, points_m);
+  std::vector<GrownMask> grown = collectMasks(masks, frame, pixels, points_m);
   for (int m = 0; m < masks.count; ++m) prepareGrowth(grown[m], masks, m, points_m, config_);
   // All growths at once: what a seed reaches is the piece it lies in.
   const Steps steps(masks, grown, points_m);
   const auto in_mask = [id = masks.id.ptr<int>()](int i) { return id[i] >= 0; };
   connectRegions(
       labels.size(), in_mask, [&steps](int a, int b) { return steps.joined(a, b); }, parts);
-  findBands(masks, grown, steps, config_.band_px, bands, scratch);
+  findBands(masks, grown, steps, frame.depth_m, config_.band_px, bands, scratch);
 
   std::vector<Piece> pieces = describePieces(parts, masks, points_m, labels, label_set);
   const std::vector<int> main = mainPieces(grown, pieces, parts);
@@ -388,7 +276,7 @@ cv::Mat1b DepthRefiner::refine(const cv::Mat1b& labels, const LabelSet& label_se
   keepEnclosed(pieces, main, grown, parts, bands, config_);
 
   cv::Mat1b refined(labels.size(), std::uint8_t{0});
-  for (const Mask& mask : grown) {
+  for (const GrownMask& mask : grown) {
     if (static_cast<int>(mask.size_px) < config_.min_mask_px) continue;
     for (std::size_t k = 0; k < mask.size_px; ++k) {
       const int i = mask.pixels[k];

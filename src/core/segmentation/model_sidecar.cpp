@@ -15,6 +15,8 @@
 namespace semantic_vslam {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr int kMaxInputSidePx = 4096;
 constexpr std::size_t kMaxLabels = 255;  // labels are 8-bit
 
@@ -188,6 +190,26 @@ void readClasses(StrictMap& root, ModelSidecar& sidecar) {
   }
 }
 
+fs::path inSourceTree(const fs::path& path) { return fs::path(SEMANTIC_VSLAM_SOURCE_DIR) / path; }
+fs::path installed(const fs::path& path) { return fs::path(SEMANTIC_VSLAM_SHARE_DIR) / path; }
+
+struct Search {
+  std::string found;   ///< empty: none of the places has the file
+  std::string places;  ///< for the error
+};
+
+Search searchFile(const std::vector<fs::path>& places) {
+  Search search;
+  for (const auto& place : places) {
+    if (fs::is_regular_file(place)) {
+      search.found = place.string();
+      return search;
+    }
+    search.places += (search.places.empty() ? "'" : ", '") + place.string() + "'";
+  }
+  return search;
+}
+
 }  // namespace
 
 ModelSidecar loadModelSidecar(const std::string& path) {
@@ -211,22 +233,24 @@ ModelSidecar loadModelSidecar(const std::string& path) {
   return sidecar;
 }
 
+std::string findModel(const std::string& model) {
+  const Search search =
+      searchFile({model, inSourceTree("models" / fs::path(model)), installed("models" / fs::path(model))});
+  if (!search.found.empty()) return search.found;
+  throw ModelError("network '" + model + "' is no file; looked for " + search.places +
+                   "; set segmentation.model, or leave it empty to run without");
+}
+
 std::string findModelSidecar(const std::string& model, const std::string& sidecar) {
-  namespace fs = std::filesystem;
   if (!sidecar.empty()) {
     if (fs::is_regular_file(sidecar)) return sidecar;
     throw ModelError("segmentation.sidecar '" + sidecar + "' is no file");
   }
   const fs::path beside = fs::path(model).replace_extension(".yaml");
-  const std::vector<fs::path> places = {beside,
-                                        fs::path(SEMANTIC_VSLAM_SOURCE_DIR) / "models/sidecars" / beside.filename(),
-                                        fs::path(SEMANTIC_VSLAM_SHARE_DIR) / "models/sidecars" / beside.filename()};
-  std::string looked;
-  for (const auto& place : places) {
-    if (fs::is_regular_file(place)) return place.string();
-    looked += (looked.empty() ? "'" : ", '") + place.string() + "'";
-  }
-  throw ModelError("network '" + model + "' has no sidecar; looked for " + looked +
+  const fs::path shipped = "models/sidecars" / beside.filename();
+  const Search search = searchFile({beside, inSourceTree(shipped), installed(shipped)});
+  if (!search.found.empty()) return search.found;
+  throw ModelError("network '" + model + "' has no sidecar; looked for " + search.places +
                    "; write one (models/README.md) or set segmentation.sidecar");
 }
 

@@ -5,7 +5,6 @@
 #include <onnxruntime_cxx_api.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -316,11 +315,10 @@ cv::Mat1b OnnxSegmenter::mapLabels() const {
 
 std::unique_ptr<Segmenter> makeOnnxSegmenter(const SegmentationConfig& config) {
   validateConfig(config);
-  if (!std::filesystem::is_regular_file(config.model)) {
-    throw ModelError("network '" + config.model +
-                     "' is no file; set segmentation.model, or leave it empty to run without");
-  }
-  return std::make_unique<OnnxSegmenter>(config, loadModelSidecar(findModelSidecar(config.model, config.sidecar)));
+  SegmentationConfig found = config;
+  found.model = findModel(config.model);
+  found.sidecar = findModelSidecar(found.model, config.sidecar);
+  return std::make_unique<OnnxSegmenter>(found, loadModelSidecar(found.sidecar));
 }
 
 }  // namespace semantic_vslam

@@ -189,6 +189,30 @@ TEST(RefineOnDepth, CutsTheBandThatGrowthReachesOverTheFloor) {
   EXPECT_EQ(cv::countNonZero(refine(mask, depth, with) & truth), post.area());
 }
 
+/// A floor that rises in the image, and an upright object that stands on it: no depth edge at its foot.
+cv::Mat1f standingOnAFloor(const cv::Rect& object) {
+  const auto floorInverseDepth = [](int v) { return 0.2F + 0.008F * static_cast<float>(v); };
+  cv::Mat1f depth(kSize);
+  for (int v = 0; v < kSize.height; ++v) depth.row(v).setTo(1.0F / floorInverseDepth(v));
+  depth(object).setTo(1.0F / floorInverseDepth(object.br().y));
+  return depth;
+}
+
+TEST(RefineOnDepth, CutsTheFloorBelowAFoot) {
+  const cv::Mat1b refined = refine(labelled(grown(kObject, 8)), standingOnAFloor(kObject));
+  const cv::Rect below(kObject.x, kObject.br().y, kObject.width,
+                       8);  // from the mask's corners no way leads to the object
+  EXPECT_EQ(cv::countNonZero(refined(below)), 0);
+  EXPECT_GT(cv::countNonZero(refined(kObject)), 0.95 * kObject.area());
+}
+
+TEST(RefineOnDepth, KeepsAMaskThatIsTooSmallForItsSurface) {
+  const cv::Mat1b labels = labelled(kObject);
+  EXPECT_EQ(differing(refine(labels, cv::Mat1f(kSize, 2.0F)), labels), 0);
+  const cv::Mat1b inside = labelled(grown(kObject, -15));
+  EXPECT_EQ(differing(refine(inside, standingOnAFloor(kObject)), inside), 0);
+}
+
 TEST(DepthRefiner, ForgetsOneFrameBeforeTheNext) {
   DepthRefiner refiner({});
   const RgbdFrame first = frameOf(wallWith(kObject)), second = frameOf(wallWith({5, 5, 30, 30}));

@@ -92,6 +92,17 @@ TEST(ModelSidecar, IsFoundBesideTheNetworkThenInThePackage) {
   EXPECT_NE(findModelSidecar("/data/deeplabv3_mnv2_pascal_quant.onnx", "").find("models/sidecars"), std::string::npos);
 }
 
+TEST(Model, IsAFileOrANameInThePackage) {
+  const std::string file = writeText("net_b.onnx", "");
+  EXPECT_EQ(findModel(file), file);
+  const std::string shipped = findModel("sidecars/bisenetv2_coco.yaml");  // any file there: the folder is what counts
+  EXPECT_EQ(std::filesystem::path(shipped).parent_path().filename(), "sidecars");
+  const std::string message = modelError([] { findModel("no_such.onnx"); });
+  EXPECT_NE(message.find("'no_such.onnx' is no file"), std::string::npos);
+  EXPECT_NE(message.find("models/no_such.onnx'"), std::string::npos);
+  EXPECT_FALSE(modelError([] { findModel(testing::TempDir()); }).empty());
+}
+
 TEST(ModelSidecar, ThatIsMissingIsNamedWithEveryPlaceLookedAt) {
   const std::string message = modelError([] { findModelSidecar("/data/no_such.onnx", ""); });
   EXPECT_NE(message.find("'/data/no_such.yaml'"), std::string::npos);

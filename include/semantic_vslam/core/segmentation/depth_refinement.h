@@ -10,6 +10,7 @@
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/common/rng.h"
 #include "semantic_vslam/core/segmentation/label_set.h"
+#include "semantic_vslam/core/segmentation/region_growth.h"
 
 namespace semantic_vslam {
 
@@ -34,10 +35,10 @@ struct RefinementConfig {
              "eq. (3) over the samples; the mean is as published, the median ignores samples on the object's edge");
     v.field("seed", seed, 0, 1000000000, "of the random samples");
     v.field("min_mask_px", min_mask_px, 0, 100000, "smaller connected masks are dropped as noise of the network, px");
-    v.field(
-        "band_px", band_px, 0, 100,
-        "background between the object's depth edge and the mask's border is cut up to this width, px; 0: only what "
-        "growth does not reach, as published");
+    v.field("band_px", band_px, 0, 100,
+            "background inside the mask's border is cut up to this width, px: what lies behind a depth edge or in the "
+            "plane "
+            "outside; 0: only what growth does not reach, as published");
     v.field("min_region_share", min_region_share, 0.0, 1.0,
             "regions of a mask beside the seed's are grown too if they hold this share of it; 1: never, as published");
     v.field("min_thickness_px", min_thickness_px, 0.0, 1000.0,
@@ -46,17 +47,6 @@ struct RefinementConfig {
             "and if their mean depth lies within this of the seed region's, m: an arm before a body, not the wall; "
             "people stay at any depth, since two who overlap make one mask");
   }
-};
-
-/// Eq. (2): centroid (m10 / m00, m01 / m00) of a mask by its moments.
-struct MaskMoments {
-  double m00 = 0.0, m10 = 0.0, m01 = 0.0;
-  void add(const cv::Point& pixel) {
-    m00 += 1.0;
-    m10 += pixel.x;
-    m01 += pixel.y;
-  }
-  cv::Point2d centroid() const { return {m10 / m00, m01 / m00}; }
 };
 
 /// Eq. (3): how far apart neighbouring points of an object lie. For each of `samples` random pixels the mean 3-D
@@ -76,8 +66,8 @@ double neighbourDistance(const cv::Mat1i& mask, int mask_id, const int* pixels, 
 /// - a part that the growth cannot reach (an arm before the body, a person behind a chair's leg) is grown from a seed
 ///   of its own and stays if it is large and thick enough and about as far away (min_region_share, min_thickness_px,
 ///   object_depth_m). If the centroid fell on something small, the mask's largest region takes the seed's place;
-/// - where the object touches the floor, growth goes on over it and around the object: bands between a depth edge, on
-///   its far side, and the mask's border are cut (band_px);
+/// - where the object touches the floor, growth goes on over it and around the object: bands of background along the
+///   mask's border are cut (band_px, mask_bands.h);
 /// - T holds at the samples' median depth and grows with depth beyond it, as the pixels' own spacing does;
 /// - holes of the depth, and specks of noise at about the object's depth, stay where most of the pixels around them
 ///   stay; a mask without any depth stays whole.

@@ -53,6 +53,10 @@ struct ModelSidecar {
 /// @throws ModelError naming the file and the key that is missing, unknown, mistyped or does not fit.
 ModelSidecar loadModelSidecar(const std::string& path);
 
+/// The file of a network: `model` itself, or that name in this package's folder models.
+/// @throws ModelError naming every place looked at.
+std::string findModel(const std::string& model);
+
 /// The sidecar of a network: `sidecar` if it is not empty, else the .yaml of the same stem beside the network, else
 /// that name in this package's models/sidecars.
 /// @throws ModelError naming every place looked at.

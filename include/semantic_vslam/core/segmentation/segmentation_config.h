@@ -20,7 +20,9 @@ struct SegmentationConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.text("model", model, "semantic network, .onnx file; empty: no network, motion detection alone");
+    v.text(
+        "model", model,
+        "semantic network: an .onnx file, or its name in this package's folder models; empty: motion detection alone");
     v.text("sidecar", sidecar,
            "YAML that describes the network; empty: the .yaml of the same stem beside it, else in models/sidecars");
     v.choice("provider", provider, {"auto", "cpu", "cuda", "tensorrt"},

@@ -4,6 +4,7 @@
 import cv2
 import numpy as np
 
+import hints as hint
 from classes import IGNORE, NAMES, PERSON
 
 PASTED = tuple(NAMES.index(name) for name in
@@ -11,11 +12,13 @@ PASTED = tuple(NAMES.index(name) for name in
 PERSON_ODDS = 0.6        # of a paste; the other classes share the rest
 MIN_CUTOUT_PX = 400      # smaller ones show too little of the object
 MIN_CUTOUT_SHARE = 0.35  # of its box: scattered pieces are no object
-MAX_CUTOUTS = 40         # a source and class; enough to vary, and bounded in memory
+MAX_CUTOUTS = 150        # a source and class; enough to vary, and bounded in memory
 
 
 def crop(image, label, size, rng):
-    """A random part, 40 % to 130 % of the image, its aspect ratio changed by up to 20 %, perhaps mirrored."""
+    """A random part, 40 % to 130 % of the image, its aspect ratio changed by up to 20 %, perhaps mirrored.
+
+    @return image and label of `size` (width, height), and the 2x3 transformation from px of the image to px of the part"""
     width, height = size
     h, w = label.shape
     scale = np.exp(rng.uniform(np.log(0.4), np.log(1.3))) * min(w / width, h / height)
@@ -30,7 +33,7 @@ def crop(image, label, size, rng):
         image = cv2.GaussianBlur(image, (0, 0), 0.4 * scale)
     image = cv2.warpAffine(image, to_part, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT_101)
     label = cv2.warpAffine(label, to_part, size, flags=cv2.INTER_NEAREST, borderValue=IGNORE)
-    return image, label
+    return image, label, to_part
 
 
 def photometric(image, rng):
@@ -74,10 +77,10 @@ class Cutouts:
             for index in np.random.default_rng(len(source)).permutation(len(source)):
                 if not any(room.values()):
                     break
-                self._collect(*source.load(index), room)
+                self._collect(*source.load(index), source.hints(index), room)
         self.by_class = {c: cutouts for c, cutouts in self.by_class.items() if cutouts}
 
-    def _collect(self, image, label, room):
+    def _collect(self, image, label, hints, room):
         for c in PASTED:
             if not room[c] or not (label == c).any():
                 continue
@@ -86,36 +89,54 @@ class Cutouts:
                 x, y, w, h, area = stats[k]
                 if room[c] and area >= MIN_CUTOUT_PX and area >= MIN_CUTOUT_SHARE * w * h:
                     inside = (slice(y, y + h), slice(x, x + w))
-                    self.by_class[c].append((image[inside].copy(), (parts[inside] == k).astype(np.uint8)))
+                    mask = (parts[inside] == k).astype(np.uint8)
+                    self.by_class[c].append(Cutout(c, image[inside].copy(), mask, (x, y), label.shape, hints))
                     room[c] -= 1
 
-    def paste(self, image, label, rng):
+    def paste(self, image, label, hints, rng):
         """Puts one to three cutouts in. People at any size, up to a body so near that the image shows only a part."""
         if not self.by_class:
-            return image, label
+            return image, label, hints
         for _ in range(rng.integers(1, 4)):
             others = [c for c in self.by_class if c != PERSON]
             person = PERSON in self.by_class and (not others or rng.random() < PERSON_ODDS)
             c = PERSON if person else others[rng.integers(len(others))]
             cutout = self.by_class[c][rng.integers(len(self.by_class[c]))]
-            image, label = _paste_one(image, label, cutout, c, rng)
-        return image, label
+            image, label, hints = cutout.paste(image, label, hints, rng)
+        return image, label, hints
 
 
-def _paste_one(image, label, cutout, c, rng):
-    height, width = label.shape
-    patch, mask = cutout
-    share = np.exp(rng.uniform(np.log(0.3), np.log(2.2))) if c == PERSON else np.exp(rng.uniform(np.log(0.08), np.log(0.6)))
-    scale = share * height / max(patch.shape[0], 0.7 * patch.shape[1])
-    angle = rng.uniform(-10, 10) if c == PERSON else rng.uniform(-25, 25)
-    warp = cv2.getRotationMatrix2D((patch.shape[1] / 2, patch.shape[0] / 2), angle, scale)
-    warp[:, 2] += (rng.uniform(0, width) - patch.shape[1] / 2, rng.uniform(0.2, 1.0) * height - patch.shape[0] / 2)
-    if rng.random() < 0.5:
-        patch, mask = patch[:, ::-1], mask[:, ::-1]
-    patch = photometric(np.ascontiguousarray(patch), rng)
-    alpha = cv2.warpAffine(np.ascontiguousarray(mask).astype(np.float32), warp, (width, height))
-    patch = cv2.warpAffine(patch, warp, (width, height), borderMode=cv2.BORDER_REFLECT_101)
-    soft = cv2.GaussianBlur(alpha, (0, 0), rng.uniform(0.5, 1.2))[..., None]
-    image = (image * (1 - soft) + patch * soft).astype(np.uint8)
-    label = np.where(alpha > 0.5, np.uint8(c), label)
-    return image, label
+class Cutout:
+    def __init__(self, label, patch, mask, corner, shape, hints):
+        """@param corner  (x, y) of the patch in the image it is from  @param shape, hints  of that image"""
+        self.label, self.patch, self.mask, self.corner, self.shape, self.hints = label, patch, mask, corner, shape, hints
+
+    def paste(self, image, label, hints, rng):
+        size = (label.shape[1], label.shape[0])
+        warp = self._transformation(size, rng)
+        patch = photometric(self.patch, rng)
+        alpha = cv2.warpAffine(self.mask.astype(np.float32), warp, size)
+        patch = cv2.warpAffine(patch, warp, size, borderMode=cv2.BORDER_REFLECT_101)
+        soft = cv2.GaussianBlur(alpha, (0, 0), rng.uniform(0.5, 1.2))[..., None]
+        image = (image * (1 - soft) + patch * soft).astype(np.uint8)
+        label = np.where(alpha > 0.5, np.uint8(self.label), label)
+        return image, label, self._pasted_hints(hints, alpha, warp, size)
+
+    def _transformation(self, size, rng):
+        """@return 2x3, px of the patch -> px of the sample"""
+        person = self.label == PERSON
+        rows, columns = self.mask.shape
+        share = np.exp(rng.uniform(np.log(0.3), np.log(2.2)) if person else rng.uniform(np.log(0.08), np.log(0.6)))
+        scale = share * size[1] / max(rows, 0.7 * columns)
+        angle = rng.uniform(-10, 10) if person else rng.uniform(-25, 25)
+        warp = cv2.getRotationMatrix2D((columns / 2, rows / 2), angle, scale)
+        warp[:, 2] += (rng.uniform(0, size[0]) - columns / 2, rng.uniform(0.2, 1.0) * size[1] - rows / 2)
+        if rng.random() < 0.5:
+            warp = warp @ np.array([[-1, 0, columns - 1], [0, 1, 0], [0, 0, 1.0]])
+        return warp
+
+    def _pasted_hints(self, hints, alpha, warp, size):
+        to_patch = np.array([[1, 0, -self.corner[0]], [0, 1, -self.corner[1]], [0, 0, 1.0]])
+        own = hint.of_sample(self.hints, self.shape, warp @ to_patch, size)
+        covered = cv2.resize(alpha, (hints.shape[1], hints.shape[0]), interpolation=cv2.INTER_AREA) > 0.5
+        return np.where(covered[..., None], own, hints)

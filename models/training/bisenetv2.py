@@ -10,6 +10,7 @@ DETAIL_CHANNELS = (64, 64, 128)         # stages S1-S3 of the detail branch, tab
 SEMANTIC_CHANNELS = (16, 32, 64, 128)   # stem, S3, S4, S5 of the semantic branch, table 1
 EXPANSION = 6                           # of gather-and-expansion
 AUX_HEAD_CHANNELS = 128
+TRAINING_HEADS = ('boosters.', 'hints.')
 
 
 def conv_bn(inputs, outputs, kernel=3, stride=1, groups=1, relu=True):
@@ -141,12 +142,15 @@ class BiSeNetV2(nn.Module):
     @param head_channels  hidden width of the last head: 1024 as published; it is a third of all weights and a quarter of
                           the time, so that a network for few classes does with less
     @param boosters       the four heads on the semantic branch that training needs (figure 2); not counted at inference
+    @param hints          numbers that two more heads predict while training, from the aggregated features and from the
+                          context (hints.py); not part of the paper, not counted at inference
 
     In:  N x 3 x H x W, normalised, H and W multiples of 32.
-    Out: logits N x classes x H/8 x W/8; in training mode with boosters (logits, [four more at 1/4, 1/8, 1/16, 1/32]).
+    Out: logits N x classes x H/8 x W/8; in training mode with boosters (logits, [four more at 1/4, 1/8, 1/16, 1/32],
+         [N x hints at 1/8 and at 1/32]).
     """
 
-    def __init__(self, classes, head_channels=1024, boosters=True):
+    def __init__(self, classes, head_channels=1024, boosters=True, hints=0):
         super().__init__()
         self.detail = DetailBranch()
         self.semantic = SemanticBranch()
@@ -154,15 +158,19 @@ class BiSeNetV2(nn.Module):
         self.head = Head(DETAIL_CHANNELS[-1], head_channels, classes)
         self.boosters = nn.ModuleList(
             [Head(channels, AUX_HEAD_CHANNELS, classes) for channels in SEMANTIC_CHANNELS] if boosters else [])
+        self.hints = nn.ModuleList(
+            [nn.Conv2d(channels, hints, 1) for channels in (DETAIL_CHANNELS[-1], SEMANTIC_CHANNELS[-1])] if hints else [])
         self.apply(_initialise)
         for head in (self.head, *self.boosters):
             nn.init.normal_(head[-1].weight, std=0.01)  # all classes start about even
 
     def forward(self, image):
         *stages, context = self.semantic(image)
-        logits = self.head(self.aggregate(self.detail(image), context))
+        aggregated = self.aggregate(self.detail(image), context)
+        logits = self.head(aggregated)
         if self.training and len(self.boosters):
-            return logits, [head(stage) for head, stage in zip(self.boosters, stages)]
+            return (logits, [head(stage) for head, stage in zip(self.boosters, stages)],
+                    [head(features) for head, features in zip(self.hints, (aggregated, context))])
         return logits
 
 
@@ -174,5 +182,5 @@ def _initialise(module):
 
 
 def inference_parameters(model):
-    """Weights that remain in the exported network: all but the booster heads."""
-    return sum(p.numel() for name, p in model.named_parameters() if not name.startswith('boosters.'))
+    """Weights that remain in the exported network: all but the heads that only training has."""
+    return sum(p.numel() for name, p in model.named_parameters() if not name.startswith(TRAINING_HEADS))

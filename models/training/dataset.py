@@ -11,6 +11,7 @@ import numpy as np
 import torch
 
 import augment
+import hints as hint
 from classes import label_of_coco
 
 IMAGE_FOLDERS = ('rgb', 'images')
@@ -21,7 +22,8 @@ class LabelledFolder:
     """Images and label images of the same stem.
 
     DIR/rgb or DIR/images, and DIR/labels (8-bit PNG, our class ids, 255 = ignore) or DIR/masks with DIR/config.yaml
-    (COCO panoptic ids and their names). make_synthetic_bag --tum and label_images write the first form.
+    (COCO panoptic ids and their names). make_synthetic_bag --tum and label_images write the first form. Hints, where
+    DIR/hints has them (hints.py).
     """
 
     def __init__(self, folder):
@@ -45,8 +47,16 @@ class LabelledFolder:
         self.pairs = [p for p in self.pairs if is_held_back(p[0]) == held_back]
         return self
 
+    def first(self, count):
+        """@return self, with no more than `count` images, spread evenly."""
+        self.pairs = self.pairs[::max(1, -(-len(self.pairs) // count))]
+        return self
+
     def __len__(self):
         return len(self.pairs)
+
+    def hints(self, index):
+        return hint.load(self.folder, os.path.splitext(os.path.basename(self.pairs[index][0]))[0])
 
     def load(self, index):
         """@return RGB image HxWx3 and label image HxW, both uint8."""
@@ -94,16 +104,22 @@ class AugmentedSamples(torch.utils.data.Dataset):
     def __getitem__(self, index):
         rng = np.random.default_rng((self.seed, index))
         source = self.sources[rng.choice(len(self.sources), p=self.odds)]
-        image, label = source.load(rng.integers(len(source)))
-        image, label = augment.crop(image, label, self.size, rng)
+        number = rng.integers(len(source))
+        whole, whole_label = source.load(number)
+        image, label, to_sample = augment.crop(whole, whole_label, self.size, rng)
+        hints = hint.of_sample(source.hints(number), whole_label.shape, to_sample, self.size)
         if rng.random() < self.paste:
-            image, label = self.cutouts.paste(image, label, rng)
+            image, label, hints = self.cutouts.paste(image, label, hints, rng)
         image = augment.photometric(image, rng)
-        return torch.from_numpy(np.ascontiguousarray(image.transpose(2, 0, 1))), torch.from_numpy(label)
+        return planar(image), torch.from_numpy(label), planar(hints)
+
+
+def planar(image):
+    return torch.from_numpy(np.ascontiguousarray(image.transpose(2, 0, 1)))
 
 
 def resized(image, label, size):
     """What the network sees at run time: the whole image stretched to its input. The label keeps its own size."""
     shrink = image.shape[1] >= 2 * size[0] and image.shape[0] >= 2 * size[1]
     image = cv2.resize(image, size, interpolation=cv2.INTER_AREA if shrink else cv2.INTER_LINEAR)
-    return torch.from_numpy(np.ascontiguousarray(image.transpose(2, 0, 1))), label
+    return planar(image), label

@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Scores a checkpoint on the held-back fold of labelled folders: IoU per class.
 
-usage: evaluate.py CHECKPOINT.pt DIR ... [--all] [--pictures DIR] [--json]
+usage: evaluate.py CHECKPOINT.pt DIR ... [--size WIDTHxHEIGHT] [--all] [--pictures DIR] [--json]
 """
 import argparse
 import json
@@ -16,6 +16,7 @@ import scores
 from classes import CLASSES
 from dataset import LabelledFolder
 from network_file import load_network
+from train import parse_size
 
 COLOURS = np.array([colour for _, _, colour in CLASSES], np.uint8)
 
@@ -24,6 +25,7 @@ def main(argv=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('checkpoint')
     parser.add_argument('folders', nargs='+')
+    parser.add_argument('--size', type=parse_size, help="of the network's input, px; that of the training otherwise")
     parser.add_argument('--all', action='store_true', help='every image, also those of the training')
     parser.add_argument('--pictures', help='folder for overlays')
     parser.add_argument('--json', action='store_true')
@@ -40,7 +42,7 @@ def main(argv=None):
 
     if args.pictures:
         os.makedirs(args.pictures, exist_ok=True)
-    iou = scores.evaluate(model, folders, tuple(checkpoint['size']), on_image=draw if args.pictures else None)
+    iou = scores.evaluate(model, folders, args.size or tuple(checkpoint['size']), on_image=draw if args.pictures else None)
     result = {'images': sum(len(f) for f in folders), 'mean_iou': scores.mean_iou(iou), 'iou': iou}
     if args.json:
         print(json.dumps(result, indent=1))

@@ -3,13 +3,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Writes a checkpoint as ONNX with its sidecar: OUT.onnx and OUT.yaml, ready for segmentation.model.
 
-usage: export.py CHECKPOINT.pt OUT.onnx [--size WIDTHxHEIGHT]     (the size of the training otherwise)
+usage: export.py CHECKPOINT.pt OUT.onnx [--size WIDTHxHEIGHT] [--half]     (the size of the training otherwise)
+
+--half stores the weights in 16 bits, half the file; the network still computes in 32 (needs the Python package onnx).
 """
 import argparse
 import inspect
 import os
 import warnings
 
+import numpy as np
 import torch
 
 from network_file import load_network, write_sidecar
@@ -25,16 +28,41 @@ def export(model, path, size):
     write_sidecar(os.path.splitext(path)[0] + '.yaml', size, 'BiSeNet V2, indoor classes')
 
 
+def store_half(path):
+    """Turns the weights of an ONNX file to float16, each with a cast back, which the runtime folds when it loads them."""
+    try:
+        import onnx
+    except ImportError as error:
+        raise SystemExit(f'{error}: --half needs `pip install onnx`') from None
+    model = onnx.load(path)
+    casts = []
+    for weights in model.graph.initializer:
+        if weights.data_type != onnx.TensorProto.FLOAT:
+            continue
+        name = weights.name
+        values = onnx.numpy_helper.to_array(weights)
+        weights.CopyFrom(onnx.numpy_helper.from_array(values.astype(np.float16), name + '_half'))
+        casts.append(onnx.helper.make_node('Cast', [name + '_half'], [name], to=onnx.TensorProto.FLOAT))
+    nodes = casts + list(model.graph.node)
+    del model.graph.node[:]
+    model.graph.node.extend(nodes)
+    onnx.checker.check_model(model)
+    onnx.save(model, path)
+
+
 def main(argv=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('checkpoint')
     parser.add_argument('out')
     parser.add_argument('--size', type=parse_size)
+    parser.add_argument('--half', action='store_true')
     args = parser.parse_args(argv)
     if not args.out.endswith('.onnx'):
         raise SystemExit(f"'{args.out}' must end in .onnx")
     model, checkpoint = load_network(args.checkpoint)
     export(model, args.out, args.size or tuple(checkpoint['size']))
+    if args.half:
+        store_half(args.out)
     print(f'{args.out}: {os.path.getsize(args.out) / 1e6:.1f} MB, step {checkpoint["step"]}')
 
 

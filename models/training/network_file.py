@@ -5,7 +5,7 @@ import os
 
 import torch
 
-from bisenetv2 import BiSeNetV2
+from bisenetv2 import TRAINING_HEADS, BiSeNetV2
 from classes import CLASSES, NAMES
 
 MEAN = (0.485, 0.456, 0.406)  # red, green, blue of photographs in [0, 1]; any fixed choice does, it goes to the sidecar
@@ -36,7 +36,7 @@ def load_network(path):
     """@return the averaged network of a checkpoint, ready to infer, and the checkpoint."""
     checkpoint = load_checkpoint(path)
     model = BiSeNetV2(len(NAMES), checkpoint['head_channels'], boosters=False)
-    model.load_state_dict({k: v for k, v in checkpoint['average'].items() if not k.startswith('boosters.')})
+    model.load_state_dict({k: v for k, v in checkpoint['average'].items() if not k.startswith(TRAINING_HEADS)})
     return model.eval(), checkpoint
 
 

@@ -9,19 +9,20 @@ import time
 class Bar:
     """One line that is rewritten on a terminal, and a line now and then elsewhere."""
 
-    def __init__(self, total, done=0):
-        self.total, self.first, self.start, self.shown = total, done, time.time(), 0.0
+    def __init__(self, done=0.0):
+        """@param done  0 to 1"""
+        self.first, self.start, self.shown = done, time.time(), 0.0
 
     def update(self, done, text):
         now = time.time()
         terminal = sys.stderr.isatty()
-        if done < self.total and now - self.shown < (0.2 if terminal else 30):
+        if done < 1 and now - self.shown < (0.2 if terminal else 30):
             return
         self.shown = now
-        left = (now - self.start) / max(1, done - self.first) * (self.total - done)
-        filled = 30 * done // max(1, self.total)
-        line = f"[{'#' * filled}{'.' * (30 - filled)}] {done}/{self.total} {text}, {_clock(left)} left"
-        print(('\r' + line + '\x1b[K') if terminal else line, end='\n' if not terminal or done >= self.total else '',
+        left = (now - self.start) / max(1e-9, done - self.first) * (1 - done)
+        filled = int(30 * done)
+        line = f"[{'#' * filled}{'.' * (30 - filled)}] {100 * done:.1f} % {text}, {_clock(left)} left"
+        print(('\r' + line + '\x1b[K') if terminal else line, end='\n' if not terminal or done >= 1 else '',
               file=sys.stderr, flush=True)
 
 

@@ -3,19 +3,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Trains BiSeNet V2 on labelled folders. Stop it with Ctrl-C and run it again: it goes on where it stopped.
 
-usage: train.py --data DIR[:WEIGHT] ... --out DIR [--steps 20000] [--size 320x256] ...
+usage: train.py --data DIR[:WEIGHT] ... --out DIR [--steps 20000 | --minutes 60] [--size 256x192] ...
 
 Of every folder a fifth is held back (by a hash of the image names) and scored now and then. OUT gets last.pt (all that is
-needed to go on), best.pt (best mean IoU so far), log.csv and curve.png. Runs on a GPU where PyTorch finds one.
+needed to go on), best.pt (best mean IoU so far), log.csv and curve.png. Runs on a GPU where PyTorch finds one, and computes
+in bfloat16 where the processor is faster with it.
 """
 import argparse
 import copy
 import csv
+import math
 import os
+import re
+import time
 
+import cv2
 import torch
 import torch.nn.functional as F
 
+import hints as hint
 import scores
 from bisenetv2 import BiSeNetV2, resize
 from classes import IGNORE, NAMES
@@ -24,6 +30,10 @@ from network_file import load_checkpoint, normalise, save_checkpoint
 from progress import Bar, plot_curve
 
 LOG_FIELDS = ('step', 'loss', 'mean_iou', 'person_iou')
+LOSS_STRIDE = 2      # px of the label image per pixel of the loss: at full size it costs as much as the network
+BOOSTER_STRIDE = 4
+HINT_WEIGHT = 1.0
+SCORED_IMAGES = 40   # of a folder's held-back fold while training; evaluate.py takes all
 
 
 def parse_size(text):
@@ -49,40 +59,65 @@ def arguments(argv=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--data', type=parse_source, nargs='+', required=True, help='labelled folders, with :WEIGHT')
     parser.add_argument('--out', required=True)
-    parser.add_argument('--size', type=parse_size, default=(320, 256), help="of samples and of the network's input, px")
+    parser.add_argument('--size', type=parse_size, default=(256, 192), help='of samples, px')
     parser.add_argument('--steps', type=int, default=20000)
-    parser.add_argument('--batch', type=int, default=16)
+    parser.add_argument('--minutes', type=float, help='length of the training, instead of --steps')
+    parser.add_argument('--batch', type=int, default=8)
     parser.add_argument('--rate', type=float, default=2e-3, help='peak learning rate of AdamW')
-    parser.add_argument('--head', type=int, default=128, help='hidden channels of the last head; 1024 as published')
+    parser.add_argument('--head', type=int, default=1024, help='hidden channels of the last head; 1024 as published')
     parser.add_argument('--paste', type=float, default=0.5, help='share of samples that cutouts are pasted into')
     parser.add_argument('--evaluate-every', type=int, default=1000, help='steps')
     parser.add_argument('--workers', type=int, default=1, help='processes that make samples')
     parser.add_argument('--seed', type=int, default=1)
-    parser.add_argument('--bfloat16', action='store_true', help='mixed precision, where the processor is faster with it')
+    parser.add_argument('--threads', type=int, help="PyTorch's, on a processor; as many as it has cores otherwise")
+    parser.add_argument('--precision', choices=('auto', 'float32', 'bfloat16'), default='auto')
     return parser.parse_args(argv)
 
 
-def hard_pixel_loss(logits, label):
+def computes_bfloat16(device):
+    """Whether the device multiplies matrices of bfloat16 in hardware."""
+    if device == 'cuda':
+        return torch.cuda.is_bf16_supported()
+    try:
+        with open('/proc/cpuinfo', encoding='ascii') as text:
+            return re.search(r'\b(amx_bf16|avx512_bf16)\b', text.read()) is not None
+    except OSError:
+        return False
+
+
+def hard_pixel_loss(logits, label, stride=1):
     """Cross entropy over the hard pixels: those whose true class has a probability below 0.7, and at least a sixteenth of
-    all (online hard example mining, as the paper trains)."""
-    loss = F.cross_entropy(resize(logits, label.shape[1:]).float(), label, ignore_index=IGNORE, reduction='none').flatten()
+    all (online hard example mining, as the paper trains).
+
+    @param stride  takes every so many-th pixel of the label image, in both directions"""
+    label = label[:, stride // 2::stride, stride // 2::stride]
+    loss = F.cross_entropy(resize(logits.float(), label.shape[1:]), label, ignore_index=IGNORE, reduction='none').flatten()
     hardest = loss.topk(max(1, loss.numel() // 16)).values
     threshold = torch.minimum(hardest[-1], loss.new_tensor(0.3567))  # -ln 0.7
     hard = loss[loss > threshold]
     return hard.mean() if hard.numel() else hardest.mean()
 
 
-def total_loss(model, images, labels):
-    logits, boosters = model(normalise(images))
-    return sum((hard_pixel_loss(b, labels) for b in boosters), hard_pixel_loss(logits, labels))
+def hint_loss(predicted, hints):
+    """Mean squared difference where there are hints; 0 where a batch has none."""
+    hints = F.interpolate(hints, size=predicted.shape[2:], mode='area')  # NaN if a part of the area is
+    known = hints.isfinite()
+    difference = (predicted.float() - torch.nan_to_num(hints)) * known
+    return difference.square().sum() / known.sum().clamp(min=1)
 
 
-def learning_rate(step, steps, peak):
-    """Linear warm-up over the first twentieth, then the polynomial decay of the paper."""
-    warm_up = max(1, min(1000, steps // 20))
-    if step < warm_up:
-        return peak * (step + 1) / warm_up
-    return peak * (1 - (step - warm_up) / max(1, steps - warm_up)) ** 0.9
+def total_loss(model, images, labels, hints):
+    logits, boosters, hinted = model(normalise(images))
+    loss = hard_pixel_loss(logits, labels, LOSS_STRIDE)
+    loss = sum((hard_pixel_loss(b, labels, BOOSTER_STRIDE) for b in boosters), loss)
+    return sum((HINT_WEIGHT * hint_loss(h, hints) for h in hinted), loss)
+
+
+def learning_rate(progress, peak):
+    """Linear warm-up over the first twentieth, then half a cosine to 0. @param progress  0 to 1"""
+    if progress < 0.05:
+        return peak * max(progress, 0.002) / 0.05
+    return peak * 0.5 * (1 + math.cos(math.pi * min(1.0, (progress - 0.05) / 0.95)))
 
 
 class Training:
@@ -90,10 +125,15 @@ class Training:
         self.args = args
         self.device = 'cuda' if torch.cuda.is_available() else 'cpu'
         torch.manual_seed(args.seed)
-        self.model = BiSeNetV2(len(NAMES), args.head).to(self.device)
+        cv2.setNumThreads(1)  # samples are made by processes
+        if args.threads:
+            torch.set_num_threads(args.threads)
+        self.bfloat16 = args.precision == 'bfloat16' or (args.precision == 'auto' and computes_bfloat16(self.device))
+        self.model = BiSeNetV2(len(NAMES), args.head, hints=hint.HINTS)
+        self.model = self.model.to(self.device, memory_format=torch.channels_last)  # the faster layout nearly everywhere
         self.average = copy.deepcopy(self.model).eval()  # the weights' running mean infers better than the last ones
         self.optimiser = torch.optim.AdamW(self.model.parameters(), args.rate, weight_decay=5e-4)
-        self.step, self.best = 0, -1.0
+        self.step, self.best, self.seconds = 0, -1.0, 0.0
         os.makedirs(args.out, exist_ok=True)
         self.last = os.path.join(args.out, 'last.pt')
         self.log = os.path.join(args.out, 'log.csv')
@@ -104,39 +144,48 @@ class Training:
 
     def _resume(self):
         saved = load_checkpoint(self.last)
-        if saved['head_channels'] != self.args.head or tuple(saved['size']) != tuple(self.args.size):
-            raise SystemExit(f"'{self.last}' was trained with another --head or --size; take another --out")
+        if saved['head_channels'] != self.args.head:
+            raise SystemExit(f"'{self.last}' was trained with another --head; take another --out")
         self.model.load_state_dict(saved['model'])
         self.average.load_state_dict(saved['average'])
         self.optimiser.load_state_dict(saved['optimiser'])
-        self.step, self.best = saved['step'], saved['best']
+        self.step, self.best, self.seconds = saved['step'], saved['best'], saved['seconds']
 
     def save(self, path):
         save_checkpoint(path, model=self.model.state_dict(), average=self.average.state_dict(),
-                        optimiser=self.optimiser.state_dict(), step=self.step, best=self.best, size=self.args.size,
-                        head_channels=self.args.head)
+                        optimiser=self.optimiser.state_dict(), step=self.step, best=self.best, seconds=self.seconds,
+                        size=self.args.size, head_channels=self.args.head)
+
+    def progress(self):
+        """@return how much of the training is done, 0 to 1"""
+        if self.args.minutes:
+            return min(1.0, self.seconds / 60 / self.args.minutes)
+        return min(1.0, self.step / self.args.steps)
 
     def _write_log(self, row, mode='a'):
         with open(self.log, mode, newline='', encoding='utf-8') as out:
             csv.writer(out).writerow(row)
 
-    def one_step(self, images, labels):
+    def one_step(self, images, labels, hints):
+        start = time.monotonic()
         self.model.train()
         for group in self.optimiser.param_groups:
-            group['lr'] = learning_rate(self.step, self.args.steps, self.args.rate)
-        images, labels = images.to(self.device), labels.to(self.device).long()
-        with torch.autocast(self.device, torch.bfloat16, enabled=self.args.bfloat16):
-            loss = total_loss(self.model, images, labels)
+            group['lr'] = learning_rate(self.progress(), self.args.rate)
+        images = images.to(self.device, memory_format=torch.channels_last)
+        labels, hints = labels.to(self.device).long(), hints.to(self.device)
+        with torch.autocast(self.device, torch.bfloat16, enabled=self.bfloat16):
+            loss = total_loss(self.model, images, labels, hints)
         self.optimiser.zero_grad(set_to_none=True)
         loss.backward()
         torch.nn.utils.clip_grad_norm_(self.model.parameters(), 5.0)
         self.optimiser.step()
         self.step += 1
         self._update_average()
+        self.seconds += time.monotonic() - start
         return loss.item()
 
     def _update_average(self):
-        keep = min(0.999, self.step / (self.step + 20))
+        keep = min(0.998, self.step / (self.step + 20))
         with torch.no_grad():
             for mean, now in zip(self.average.state_dict().values(), self.model.state_dict().values()):
                 if mean.dtype.is_floating_point:
@@ -158,23 +207,32 @@ def main(argv=None):
     args = arguments(argv)
     training = Training(args)
     sources = [(LabelledFolder(folder).split(held_back=False), weight) for folder, weight in args.data]
-    held_back = [folder for folder in (LabelledFolder(folder).split(held_back=True) for folder, _ in args.data) if len(folder)]
-    samples = AugmentedSamples(sources, args.size, args.steps * args.batch, args.seed, args.paste)
+    folds = (LabelledFolder(folder).split(held_back=True) for folder, _ in args.data)
+    held_back = [fold.first(SCORED_IMAGES) for fold in folds if len(fold)]
+    count = 10**9 if args.minutes else args.steps * args.batch
+    samples = AugmentedSamples(sources, args.size, count, args.seed, args.paste)
     rest = torch.utils.data.Subset(samples, range(training.step * args.batch, len(samples)))
     loader = torch.utils.data.DataLoader(rest, args.batch, num_workers=args.workers, persistent_workers=args.workers > 0)
-    print(f"{sum(len(f) for f, _ in sources)} images to train on, {sum(len(f) for f in held_back)} held back; "
-          f'{training.device}, from step {training.step}')
-    bar, losses, scored = Bar(args.steps, training.step), [], ''
-    for images, labels in loader:
-        losses.append(training.one_step(images, labels))
+    print(f"{sum(len(f) for f, _ in sources)} images to train on, {sum(len(f) for f in held_back)} held back and scored; "
+          f"{training.device}, {'bfloat16' if training.bfloat16 else 'float32'}, from step {training.step}")
+    run(training, loader, held_back)
+    return training
+
+
+def run(training, loader, held_back):
+    args, losses, scored = training.args, [], ''
+    bar = Bar(training.progress())
+    for images, labels, hints in loader:
+        if training.progress() >= 1:
+            break
+        losses.append(training.one_step(images, labels, hints))
         loss = sum(losses) / len(losses)  # since the last score
-        if training.step % args.evaluate_every == 0 or training.step == args.steps:
+        if training.step % args.evaluate_every == 0 or training.progress() >= 1:
             scored = ', mean IoU %.3f, person %.3f' % training.score(held_back, loss)
             training.save(training.last)
             plot_curve(training.log, os.path.join(args.out, 'curve.png'))
             losses = []
-        bar.update(training.step, f'loss {loss:.3f}{scored}')
-    return training
+        bar.update(training.progress(), f'step {training.step} loss {loss:.3f}{scored}')
 
 
 if __name__ == '__main__':

@@ -13,6 +13,8 @@ import numpy as np
 sys.path.insert(0, os.path.join(os.path.dirname(__file__), '..', '..', 'models', 'training'))
 
 import augment
+import hints
+import label_sequence
 from classes import IGNORE, NAMES, PERSON, label_of_coco
 
 try:
@@ -62,7 +64,7 @@ class Augmentation(unittest.TestCase):
     def test_crop_moves_image_and_label_alike(self):
         image = np.repeat(np.where(self.label == PERSON, 255, 0).astype(np.uint8)[..., None], 3, 2)
         for seed in range(20):
-            part, label = augment.crop(image, self.label, SIZE, np.random.default_rng(seed))
+            part, label, _ = augment.crop(image, self.label, SIZE, np.random.default_rng(seed))
             self.assertEqual((part.shape, label.shape), ((64, 96, 3), (64, 96)))
             known = label != IGNORE
             differ = ((part[..., 0] > 127) != (label == PERSON)) & known
@@ -76,6 +78,77 @@ class Augmentation(unittest.TestCase):
             self.assertTrue((a == b).all())
 
 
+def ramp(rows, columns):
+    """Hints that tell their own place: x in the first channel, y in the second, from 0 to 1."""
+    grid = np.zeros((rows, columns, hints.HINTS), np.float32)
+    grid[..., 0] = np.linspace(0, 1, columns)
+    grid[..., 1] = np.linspace(0, 1, rows)[:, None]
+    return grid
+
+
+class Hints(unittest.TestCase):
+    def test_follow_the_part_of_the_image_that_a_sample_shows(self):
+        # px 40 to 136 of 161 across, 20 to 84 of 101 down, at twice the size
+        to_sample = np.array([[2.0, 0, -80], [0, 2.0, -40]])
+        part = hints.of_sample(ramp(11, 17), (101, 161), to_sample, (192, 128))
+        self.assertEqual(part.shape, (16, 24, hints.HINTS))
+        self.assertAlmostEqual(part[0, 0, 0], (40 + 3.5 / 2) / 160, places=2)
+        self.assertAlmostEqual(part[15, 23, 1], (20 + (15 * 8 + 3.5) / 2) / 100, places=2)
+
+    def test_are_unknown_outside_the_image_and_without_a_file(self):
+        part = hints.of_sample(ramp(11, 17), (101, 161), np.array([[1.0, 0, 64], [0, 1.0, 0]]), (192, 96))
+        self.assertTrue(np.isnan(part[:, :7]).all())
+        self.assertTrue(np.isfinite(part[:, 9:]).all())
+        self.assertTrue(np.isnan(hints.of_sample(None, (101, 161), np.eye(3)[:2], SIZE)).all())
+        self.assertIsNone(hints.load('/nowhere', 'a'))
+
+    def test_go_along_with_a_pasted_object(self):
+        patch = np.full((60, 40, 3), 200, np.uint8)
+        constant = np.full((9, 9, hints.HINTS), 5, np.float32)
+        cutout = augment.Cutout(PERSON, patch, np.ones((60, 40), np.uint8), (10, 10), (100, 100), constant)
+        image, label, pasted = cutout.paste(np.zeros((96, 128, 3), np.uint8), np.zeros((96, 128), np.uint8),
+                                            np.zeros((12, 16, hints.HINTS), np.float32), np.random.default_rng(3))
+        inside = cv2.resize((label == PERSON).astype(np.float32), (16, 12), interpolation=cv2.INTER_AREA)
+        self.assertTrue(np.allclose(pasted[inside > 0.9], 5))
+        self.assertTrue((pasted[inside == 0] == 0).all())
+        self.assertGreater(image[label == PERSON].mean(), 50)
+
+
+class LabelSequence(unittest.TestCase):
+    """A wall 1 m ahead with a book on it, and a camera that moves 0.1 m to the right."""
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        for name in ('rgb', 'depth'):
+            os.makedirs(os.path.join(self.folder.name, name))
+        lines = []
+        for i in range(2):
+            cv2.imwrite(os.path.join(self.folder.name, f'rgb/{i}.jpg'), np.zeros((96, 128, 3), np.uint8))
+            cv2.imwrite(os.path.join(self.folder.name, f'depth/{i}.png'), np.full((96, 128), 5000, np.uint16))
+            lines.append(f'{i} rgb/{i}.jpg {i} depth/{i}.png\n')
+        self.write('associations.txt', ''.join(lines))
+        self.write('groundtruth.txt', '0 0 0 0 0 0 0 1\n1 0.1 0 0 0 0 0 1\n')
+        self.write('objects.yaml', 'camera: {intrinsics: [100, 100, 63.5, 47.5], distortion: [0, 0, 0, 0, 0]}\n'
+                   'table: {frame: rgb/0.jpg, outline: [[0, 0], [120, 0], [120, 90], [0, 90]]}\n'
+                   'objects: [{frame: rgb/0.jpg, label: book, outline: [[40, 20], [70, 20], [70, 60], [40, 60]]}]\n')
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def write(self, name, text):
+        with open(os.path.join(self.folder.name, name), 'w', encoding='utf-8') as out:
+            out.write(text)
+
+    def test_carries_outlines_along(self):
+        out = os.path.join(self.folder.name, 'out')
+        label_sequence.main([self.folder.name, os.path.join(self.folder.name, 'objects.yaml'), out])
+        for i, x in ((0, 40), (1, 30)):  # 0.1 m at 1 m is 10 px of 100
+            label = cv2.imread(os.path.join(out, 'labels', f'{i}.png'), cv2.IMREAD_GRAYSCALE)
+            self.assertTrue((label[20:61, x:x + 31] == NAMES.index('book')).all())
+            self.assertEqual((label == NAMES.index('book')).sum(), 41 * 31)
+            self.assertEqual(label[80, 100], NAMES.index('table'))
+
+
 @unittest.skipIf(torch is None, 'needs PyTorch')
 class Network(unittest.TestCase):
     def test_has_the_published_size(self):
@@ -85,7 +158,7 @@ class Network(unittest.TestCase):
     def test_gives_logits_at_an_eighth_and_boosters_while_training(self):
         model = bisenetv2.BiSeNetV2(11, head_channels=64)
         images = torch.zeros(2, 3, 64, 96)
-        logits, boosters = model.train()(images)
+        logits, boosters, _ = model.train()(images)
         self.assertEqual(tuple(logits.shape), (2, 11, 8, 12))
         self.assertEqual([tuple(b.shape[2:]) for b in boosters], [(16, 24), (8, 12), (4, 6), (2, 3)])
         self.assertEqual(tuple(model.eval()(images).shape), (2, 11, 8, 12))
@@ -97,6 +170,21 @@ class Network(unittest.TestCase):
         self.assertEqual(train.hard_pixel_loss(logits, label).item(), 0)
         label[0, :8] = 0  # half the image is wrong: each such pixel loses about 9
         self.assertAlmostEqual(train.hard_pixel_loss(logits, label).item(), 9, places=2)
+
+
+    def test_hint_loss_counts_known_places_alone(self):
+        predicted = torch.zeros(1, 2, 2, 2)
+        known = torch.full((1, 2, 4, 4), float('nan'))
+        self.assertEqual(train.hint_loss(predicted, known).item(), 0)
+        known[..., :2, :] = 3  # the upper half
+        self.assertAlmostEqual(train.hint_loss(predicted, known).item(), 9, places=5)
+
+    def test_learning_rate_rises_and_falls(self):
+        rates = [train.learning_rate(progress, 1.0) for progress in (0, 0.025, 0.05, 0.5, 1)]
+        self.assertLess(rates[0], rates[1])
+        self.assertAlmostEqual(rates[2], 1)
+        self.assertLess(rates[3], 1)
+        self.assertAlmostEqual(rates[4], 0)
 
 
 @unittest.skipIf(torch is None, 'needs PyTorch')
@@ -143,12 +231,18 @@ class Training(unittest.TestCase):
         with self.assertRaises(SystemExit):
             self.train(10, '--head', '64')
 
+    def test_ends_when_its_time_is_over(self):
+        training = self.train(10**6, '--minutes', '0.02')
+        self.assertGreater(training.seconds, 0.02 * 60)
+        self.assertLess(training.step, 10**4)
+        self.assertTrue(os.path.exists(os.path.join(self.out, 'last.pt')))
+
     def test_samples_do_not_depend_on_when_they_are_asked_for(self):
         sources = [(dataset.LabelledFolder(self.data), 1.0)]
         first, again = (dataset.AugmentedSamples(sources, SIZE, 8) for _ in range(2))
         first[0]
         for x, y in zip(first[7], again[7]):
-            self.assertTrue(torch.equal(x, y))
+            self.assertTrue(torch.equal(torch.nan_to_num(x), torch.nan_to_num(y)))
 
     def test_held_back_images_are_never_trained_on(self):
         kept = dataset.LabelledFolder(self.data).split(held_back=False).pairs

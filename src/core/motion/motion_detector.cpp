@@ -65,6 +65,23 @@ cv::Mat1f movingProbability(const cv::Mat1b& moving, const cv::Mat1f& log_odds, 
   return probability;
 }
 
+/// Adds what carried masks say. A fresh mask outweighs the surest evidence of rest, one that is a second old does
+/// not any more: so a coarse mask that holds a piece of desk, or one that went astray, is corrected, and who stands
+/// still in front of the camera stays out as long as the network says so.
+/// @param semantic  faded with the mask's age, NaN = unknown  @param log_odds  of motion; empty: nothing is known
+void addMasks(const cv::Mat1f& semantic, const cv::Mat1f& log_odds, cv::Mat1f& dynamic) {
+  constexpr float kFreshMask = 4.0F;  // log-odds
+  for (int y = 0; y < dynamic.rows; ++y) {
+    const float *mask = semantic[y], *odds = log_odds.empty() ? nullptr : log_odds[y];
+    float* out = dynamic[y];
+    for (int x = 0; x < dynamic.cols; ++x) {
+      if (!(mask[x] > 0.5F)) continue;
+      const float together = kFreshMask * (2.0F * mask[x] - 1.0F) + (odds != nullptr ? odds[x] : 0.0F);
+      out[x] = std::max(out[x], squash(together));
+    }
+  }
+}
+
 /// Velocity scaled to another time step.
 SE3 scaleMotion(const SE3& motion, double factor) { return se3Exp(factor * se3Log(motion)); }
 
@@ -208,7 +225,7 @@ MotionResult MotionDetector::compose(const Estimate& estimate, const cv::Mat2f& 
   dynamic_probability_ = movingProbability(estimate.moving, estimate.log_odds, grid_->size());
   cv::Mat1b dynamic, moving;
   dynamic_probability_.convertTo(moving, CV_8U, 255.0);
-  if (!semantic.empty()) raiseTo(semantic, dynamic_probability_);
+  if (!semantic.empty()) addMasks(semantic, estimate.log_odds, dynamic_probability_);
   dynamic_probability_.convertTo(dynamic, CV_8U, 255.0);
   MotionResult result;
   cv::resize(dynamic, result.dynamic, full_size, 0, 0, cv::INTER_LINEAR);

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/rng.h"
@@ -96,6 +97,20 @@ TEST(MotionDetectorTest, LabelsOfTheFirstFrameCountInTheSecond) {
     EXPECT_LT(result.dynamic(120, 40), 128) << model;
     EXPECT_LT(result.moving(120, 134), 128) << model;  // it did not move by itself
   }
+}
+
+TEST(MotionDetectorTest, OldMaskGivesWayToASurfaceThatStandsStill) {
+  LabelSet labels;
+  labels.classes.push_back({"person", Mobility::kPerson, {}});
+  MotionDetector detector{MotionConfig()};
+  detector.detect(texturedFrame(0, 2.0F, 0));
+  cv::Mat1b person = cv::Mat1b::zeros(240, 320);
+  person(cv::Rect(100, 60, 60, 120)) = 1;
+  ASSERT_TRUE(detector.addLabels(texturedFrame(0, 2.0F, 0).stamp, person, labels));
+  std::vector<int> dynamic;
+  for (int i = 1; i <= 60; ++i) dynamic.push_back(detector.detect(texturedFrame(i, 2.0F, 0)).dynamic(120, 130));
+  EXPECT_GE(dynamic[9], 128);   // a third of a second old: who stands still stays out
+  EXPECT_LT(dynamic[59], 128);  // two seconds, and nothing but rest since
 }
 
 TEST(MotionDetectorTest, StampThatGoesBackStartsAnew) {

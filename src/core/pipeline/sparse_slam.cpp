@@ -139,6 +139,7 @@ void SparseSlam::adjustAround(KeyframeId keyframe) {
     std::lock_guard<std::mutex> lock(mutex_);
     if (!map_.keyframe(keyframe)) return;
     cullRecentLandmarks(map_, keyframe, config_.mapping);
+    triangulateNewLandmarks(map_, keyframe, sensor, config_.triangulation);
     fuseWithNeighbours(map_, keyframe, sensor.virtual_baseline_m, config_.mapping);
     problem = selectLocal(map_, keyframe, sensor, config_.local_ba);
   }

@@ -20,6 +20,7 @@
 #include "semantic_vslam/core/loop/loop_detector.h"
 #include "semantic_vslam/core/map/map.h"
 #include "semantic_vslam/core/map/map_maintenance.h"
+#include "semantic_vslam/core/map/triangulation.h"
 #include "semantic_vslam/core/optimization/bundle_adjustment.h"
 #include "semantic_vslam/core/tracking/relocalizer.h"
 #include "semantic_vslam/core/tracking/tracker.h"
@@ -30,6 +31,7 @@ namespace semantic_vslam {
 struct SparseSlamConfig {
   TrackerConfig tracking;
   MapMaintenanceConfig mapping;
+  TriangulationConfig triangulation;
   BaConfig local_ba;
   PlaceIndexConfig places;
   RelocalizerConfig relocalisation;
@@ -42,6 +44,7 @@ struct SparseSlamConfig {
     v.group("sensor", tracking.frame.sensor);
     v.group("tracking", tracking);
     v.group("mapping", mapping);
+    v.group("triangulation", triangulation);
     v.group("local_ba", local_ba);
     v.group("places", places);
     v.group("relocalisation", relocalisation);

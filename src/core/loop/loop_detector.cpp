@@ -163,6 +163,7 @@ std::optional<LoopClosure> LoopDetector::verify(const Map& map, const Keyframe& 
 
 bool LoopDetector::driftExplains(const Map& map, const Keyframe& current, KeyframeId candidate,
                                  const SE3& T_current_world) const {
+  if (map.rootOf(current.id) != map.rootOf(candidate)) return true;  // nothing is known yet of where the one map lies
   const double way_m = wayBetween(map, std::min(candidate, current.id), std::max(candidate, current.id));
   const double moved_m = (centreOf(T_current_world) - centreOf(current.T_camera_world)).norm();
   const double turned_rad = rotationAngle(T_current_world * current.T_camera_world.inverse());

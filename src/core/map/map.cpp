@@ -145,12 +145,12 @@ void Map::removeLandmark(LandmarkId id) {
 
 void Map::removeKeyframe(KeyframeId id) {
   const Keyframe* gone = keyframe(id);
-  if (!gone || id == keyframes_.begin()->first) return;
+  if (!gone || !gone->parent.valid()) return;
   const auto matches = gone->landmarks;
   for (const LandmarkId landmark_id : matches) {
     if (landmark_id.valid()) removeObservation(id, landmark_id);
   }
-  const KeyframeId parent = gone->parent.valid() ? gone->parent : keyframes_.begin()->first;
+  const KeyframeId parent = gone->parent;
   for (const KeyframeId child : children(id)) mutableKeyframe(child)->parent = parent;
   for (auto& [other_id, other] : keyframes_) {
     static_cast<void>(other_id);
@@ -222,6 +222,12 @@ std::vector<KeyframeId> Map::children(KeyframeId id) const {
   return found;
 }
 
+KeyframeId Map::rootOf(KeyframeId id) const {
+  const Keyframe* member = keyframe(id);
+  while (member && member->parent.valid()) member = keyframe(member->parent);
+  return member ? member->id : KeyframeId();
+}
+
 bool Map::apply(const MapSolution& solution, std::uint64_t version) {
   if (version != version_) return false;
   for (const auto& [id, T_camera_world] : solution.T_camera_world) setPose(id, T_camera_world);
@@ -249,6 +255,35 @@ void Map::addLoopEdge(KeyframeId a, KeyframeId b) {
   if (!first || !second) return;
   first->loop_edges.push_back(b);
   second->loop_edges.push_back(a);
+}
+
+void Map::moveTree(KeyframeId root, const SE3& T_new_old) {
+  std::set<LandmarkId> seen;
+  for (auto& [id, keyframe] : keyframes_) {
+    if (rootOf(id) != root) continue;
+    keyframe.T_camera_world = keyframe.T_camera_world * T_new_old.inverse();
+    for (const LandmarkId landmark : keyframe.landmarks) {
+      if (landmark.valid()) seen.insert(landmark);
+    }
+  }
+  for (const LandmarkId id : seen) {
+    Landmark* moved = mutableLandmark(id);
+    moved->position_world = T_new_old * moved->position_world;
+    refreshGeometry(id);
+  }
+  bumpVersion();
+}
+
+void Map::hangTree(KeyframeId member, KeyframeId parent) {
+  assert(keyframe(member) && keyframe(parent) && rootOf(member) != rootOf(parent));
+  // The way from the member up to its root is turned round.
+  while (member.valid()) {
+    Keyframe* turned = mutableKeyframe(member);
+    const KeyframeId next = turned->parent;
+    turned->parent = parent;
+    parent = member;
+    member = next;
+  }
 }
 
 void Map::countVisible(LandmarkId id) {

@@ -158,8 +158,8 @@ int cullRedundantKeyframes(Map& map, KeyframeId centre, KeyframeId keep, const S
   int removed = 0;
   for (const auto& [id, shared] : map.covisible(centre, 1)) {
     static_cast<void>(shared);
-    if (id == centre || id == keep || id == map.keyframes().begin()->first) continue;
     const Keyframe& keyframe = *map.keyframe(id);
+    if (id == centre || id == keep || !keyframe.parent.valid()) continue;
     if (!isRedundant(map, keyframe, sensor.closeM(), config.redundant_share)) continue;
     before_removal(keyframe);
     map.removeKeyframe(id);

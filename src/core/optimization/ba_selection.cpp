@@ -106,12 +106,7 @@ BaProblem selectLocal(const Map& map, KeyframeId centre, const SensorConfig& sen
 
 BaProblem selectGlobal(const Map& map, const SensorConfig& sensor) {
   ProblemBuilder builder(map, sensor);
-  bool first = true;
-  for (const auto& [id, keyframe] : map.keyframes()) {
-    static_cast<void>(keyframe);
-    builder.addKeyframe(id, first);
-    first = false;
-  }
+  for (const auto& [id, keyframe] : map.keyframes()) builder.addKeyframe(id, !keyframe.parent.valid());
   std::vector<LandmarkId> ids;
   for (const auto& [id, landmark] : map.landmarks()) {
     static_cast<void>(landmark);

@@ -14,6 +14,9 @@ namespace {
 // Keyframes come every few frames at most; a worker that is further behind than this makes tracking wait for it.
 constexpr std::size_t kKeyframeQueue = 8;
 
+// In a new map, every so many frames are looked up in the old one: it takes as long as tracking does.
+constexpr std::uint64_t kSeekEvery = 3;
+
 ClosedLoop recordOf(const Map& map, const LoopClosure& closure) {
   return {map.keyframe(closure.current)->stamp, map.keyframe(closure.matched)->stamp, closure.T_current_matched};
 }
@@ -63,17 +66,35 @@ SparseStep SparseSlam::trackLocked(const TrackedFrame& frame) {
   SparseStep step;
   const bool mapper_idle = pending_ == 0;
   step.tracking = tracker_.track(frame, map_, mapper_idle);
+  relocaliseLocked(frame, step.tracking);
+  if (step.tracking.state == TrackingState::kLost && !localization_only_) {
+    step.tracking.first_frame = tracker_.offerForNewMap(frame);
+  }
   if (step.tracking.first_frame) {
-    TrackedFrame first = *step.tracking.first_frame;
-    step.first_keyframe = insertLocked(first);
-    step.first_stamp = first.stamp;
-    first.landmarks = map_.keyframe(*step.first_keyframe)->landmarks;
-    trajectory_.add(first.stamp, first.T_camera_world, *map_.keyframe(*step.first_keyframe));
-    tracker_.startFrom(std::move(first), *step.first_keyframe);
+    if (!map_.keyframes().empty()) logWarning("lost for long: a new map is begun, to be joined at a known place");
+    beginMapLocked(*step.tracking.first_frame, step);
     step.tracking = tracker_.track(frame, map_, mapper_idle);
   }
-  relocaliseLocked(frame, step.tracking);
-  if (step.tracking.state != TrackingState::kOk) return step;
+  if (step.tracking.state == TrackingState::kOk) {
+    recordLocked(frame, step);
+    seekWorldLocked(frame, step);
+  }
+  // Where a map that is not joined lies in the world is not known, so nor is where the camera is.
+  if (step.tracking.reference.valid() && !map_.isPlaced(step.tracking.reference)) {
+    step.tracking.state = TrackingState::kLost;
+  }
+  return step;
+}
+
+void SparseSlam::beginMapLocked(TrackedFrame first, SparseStep& step) {
+  step.first_keyframe = insertLocked(first);
+  step.first_stamp = first.stamp;
+  first.landmarks = map_.keyframe(*step.first_keyframe)->landmarks;
+  trajectory_.add(first.stamp, first.T_camera_world, *map_.keyframe(*step.first_keyframe));
+  tracker_.startFrom(std::move(first), *step.first_keyframe);
+}
+
+void SparseSlam::recordLocked(const TrackedFrame& frame, SparseStep& step) {
   if (!localization_only_) {
     for (const LandmarkId id : step.tracking.visible) map_.countVisible(id);
     for (const LandmarkId id : step.tracking.found) map_.countFound(id);
@@ -83,7 +104,37 @@ SparseStep SparseSlam::trackLocked(const TrackedFrame& frame) {
     tracker_.keyframeInserted(map_, *step.keyframe);
   }
   trajectory_.add(frame.stamp, step.tracking.T_camera_world, *map_.keyframe(tracker_.reference()));
-  return step;
+}
+
+void SparseSlam::seekWorldLocked(const TrackedFrame& frame, SparseStep& step) {
+  if (map_.isPlaced(tracker_.reference())) {
+    join_evidence_.reset();
+    return;
+  }
+  if (!config_.close_loops || localization_only_ || frame.index % kSeekEvery != 0) return;
+  const auto found = relocalise(map_, places_, frame, config_.tracking.frame, config_.relocalisation,
+                                [this](KeyframeId id) { return map_.isPlaced(id); });
+  if (!found) return;
+  const bool settled = join_evidence_.add(step.tracking.T_camera_world.inverse(), found->T_camera_world.inverse());
+  if (!settled) return;
+  if (!step.keyframe) {
+    step.keyframe = insertLocked(tracker_.lastFrame());
+    tracker_.keyframeInserted(map_, *step.keyframe);
+  }
+  LoopClosure closure;
+  closure.current = *step.keyframe;
+  closure.matched = found->keyframe;
+  closure.T_current_world = found->T_camera_world;
+  closure.T_current_matched = found->T_camera_world * map_.keyframe(found->keyframe)->T_camera_world.inverse();
+  closure.landmarks = found->landmarks;
+  changeLocked([&] {
+    // Moved as a whole, the new map needs no bending: landmarks of both are merged, adjustment does the rest.
+    return joinTrees(map_, closure) &&
+           applyLoop(map_, closure, MapSolution(), map_.version(), config_.tracking.frame.sensor.virtual_baseline_m,
+                     config_.loop_correction);
+  });
+  step.tracking.T_camera_world = tracker_.lastFrame().T_camera_world;
+  logInfo("the new map is joined with the old one");
 }
 
 void SparseSlam::relocaliseLocked(const TrackedFrame& frame, TrackingResult& result) {
@@ -161,6 +212,7 @@ bool SparseSlam::closeLoop(KeyframeId keyframe) {
     if (!map_.keyframe(keyframe)) return false;
     closure = loops_.detect(map_, places_, keyframe);
     if (!closure) return false;
+    if (changeLocked([&] { return joinTrees(map_, *closure); })) logInfo("the new map is joined with the old one");
     graph = selectLoop(map_, *closure, config_.loop_correction);
   }
   const MapSolution solution = solve(graph, config_.loop_correction.graph, nullptr);
@@ -231,6 +283,7 @@ void SparseSlam::reset() {
   places_.clear();
   loops_.reset();
   closed_loops_.clear();
+  join_evidence_.reset();
   trajectory_.clear();
   tracker_.reset();
 }
@@ -250,6 +303,7 @@ void SparseSlam::loadMap(const std::string& path) {
   places_.clear();
   indexKeyframes(map_, places_);
   loops_.reset();
+  join_evidence_.reset();
   trajectory_.clear();
   tracker_.awaitRelocalisation();
 }
@@ -263,9 +317,14 @@ std::vector<KeyframePose> SparseSlam::keyframePoses() const {
   std::lock_guard<std::mutex> lock(mutex_);
   std::vector<KeyframePose> poses;
   for (const auto& [id, keyframe] : map_.keyframes()) {
-    poses.push_back({id, keyframe.stamp, keyframe.T_camera_world.inverse()});
+    if (map_.isPlaced(id)) poses.push_back({id, keyframe.stamp, keyframe.T_camera_world.inverse()});
   }
   return poses;
+}
+
+bool SparseSlam::awaitsPlace(KeyframeId keyframe) const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return map_.keyframe(keyframe) != nullptr && !map_.isPlaced(keyframe);
 }
 
 std::size_t SparseSlam::keyframeCount() const {
@@ -294,7 +353,7 @@ std::vector<Eigen::Vector3d> SparseSlam::landmarkPositions() const {
   positions.reserve(map_.landmarks().size());
   for (const auto& [id, landmark] : map_.landmarks()) {
     static_cast<void>(id);
-    positions.push_back(landmark.position_world);
+    if (map_.isPlaced(landmark.reference_keyframe)) positions.push_back(landmark.position_world);
   }
   return positions;
 }

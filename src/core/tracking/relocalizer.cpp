@@ -143,14 +143,16 @@ std::optional<RelocalisationResult> localizeAt(const Map& map, const std::vector
 }
 
 std::optional<RelocalisationResult> relocalise(const Map& map, const PlaceIndex& index, const TrackedFrame& frame,
-                                               const FrameTrackerConfig& tracker, const RelocalizerConfig& config) {
+                                               const FrameTrackerConfig& tracker, const RelocalizerConfig& config,
+                                               const std::function<bool(KeyframeId)>& among) {
   std::vector<RelocalisationResult> found;
   std::set<KeyframeId> explained;  // shown by a pose found already
   // Neighbours look alike too, so several times as many are asked for as are tried.
   int tried = 0;
-  for (const auto& match : index.query(*frame.features, 10 * config.max_candidates)) {
+  const int asked = among ? static_cast<int>(index.size()) : 10 * config.max_candidates;
+  for (const auto& match : index.query(*frame.features, asked)) {
     if (tried >= config.max_candidates) break;
-    if (explained.count(match.keyframe) > 0) continue;
+    if (explained.count(match.keyframe) > 0 || (among && !among(match.keyframe))) continue;
     const auto group = keyframeGroup(map, match.keyframe, config.neighbours);
     ++tried;
     auto result = localizeAt(map, group, frame, tracker, config);

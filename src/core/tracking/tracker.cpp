@@ -38,6 +38,7 @@ TrackingResult Tracker::track(TrackedFrame frame, const Map& map, bool mapper_id
   if (!estimate.success || estimate.inliers < config_.min_inliers) return trackingFailed(frame);
 
   result.state = state_ = TrackingState::kOk;
+  lost_since_.reset();
   result.T_camera_world = frame.T_camera_world;
   result.covariance = estimate.covariance;
   result.reference = reference_;
@@ -59,10 +60,16 @@ TrackingResult Tracker::initialise(TrackedFrame frame) {
   return result;
 }
 
+std::optional<TrackedFrame> Tracker::offerForNewMap(TrackedFrame frame) {
+  if (!lost_since_ || secondsBetween(*lost_since_, frame.stamp) < config_.new_map_after_s) return std::nullopt;
+  return initializer_.offer(frame);
+}
+
 PoseEstimate Tracker::followLastFrame(const Map& map, TrackedFrame& frame) const {
   const SE3 start = last_->T_camera_world;
   const double frames_between = static_cast<double>(frame.index - last_->index);
-  const SE3 predicted = velocity_ ? interpolate(SE3::Identity(), *velocity_, frames_between) * start : start;
+  const bool velocity_holds = velocity_ && secondsBetween(last_->stamp, frame.stamp) <= config_.recently_lost_s;
+  const SE3 predicted = velocity_holds ? interpolate(SE3::Identity(), *velocity_, frames_between) * start : start;
   PoseEstimate estimate = trackFromLastFrame(map, *last_, predicted, config_.frame, frame);
   if (estimate.success) return estimate;
   if (const Keyframe* reference = map.keyframe(reference_)) {
@@ -86,6 +93,7 @@ PoseEstimate Tracker::followLocalMap(const Map& map, TrackedFrame& frame, Tracki
 }
 
 TrackingResult Tracker::trackingFailed(TrackedFrame& frame) {
+  if (!lost_since_) lost_since_ = frame.stamp;
   TrackingResult result;
   result.features = static_cast<int>(frame.features->size());
   result.reference = reference_;
@@ -110,9 +118,11 @@ bool Tracker::keyframeIsDue(const Map& map, const TrackedFrame& frame, int inlie
   KeyframeEvidence evidence;
   evidence.frames_since_keyframe = static_cast<int>(frame.index - last_keyframe_index_);
   evidence.tracked = inliers;
-  // A young map has nothing that three keyframes confirm.
-  constexpr std::size_t kYoungMap = 3;
-  evidence.reference_tracked = countConfirmed(map, *reference, map.keyframes().size() < kYoungMap ? 1 : 3);
+  // Where the map is young, at its start or on new ground, there is nothing that three keyframes confirm.
+  constexpr std::size_t kConfirming = 3;
+  constexpr int kMinShared = 15;
+  const bool young = map.covisible(reference_, kMinShared).size() + 1 < kConfirming;
+  evidence.reference_tracked = countConfirmed(map, *reference, young ? 1 : static_cast<int>(kConfirming));
   evidence.mapper_idle = mapper_idle;
   countClose(frame, config_.frame.sensor.closeM(), evidence);
   return semantic_vslam::keyframeIsDue(evidence, config_.keyframe);
@@ -126,7 +136,9 @@ void Tracker::keyframeInserted(const Map& map, KeyframeId id) {
 
 void Tracker::startFrom(TrackedFrame frame, KeyframeId reference) {
   state_ = TrackingState::kOk;
+  initializer_.reset();
   velocity_.reset();
+  lost_since_.reset();
   last_keyframe_index_ = frame.index;
   last_ = std::move(frame);
   reference_ = reference;
@@ -148,6 +160,7 @@ void Tracker::reset() {
   state_ = TrackingState::kInitialising;
   last_.reset();
   velocity_.reset();
+  lost_since_.reset();
   reference_ = KeyframeId();
   last_keyframe_index_ = 0;
 }

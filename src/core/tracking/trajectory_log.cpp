@@ -12,7 +12,7 @@ void TrajectoryLog::add(Stamp stamp, const SE3& T_camera_world, const Keyframe& 
 
 void TrajectoryLog::keyframeRemoved(const Map& map, const Keyframe& keyframe) {
   const Keyframe* parent = map.keyframe(keyframe.parent);
-  if (!parent) parent = &map.keyframes().begin()->second;
+  assert(parent);  // the first of a tree stays
   heirs_[keyframe.id] = {parent->id, keyframe.T_camera_world * parent->T_camera_world.inverse()};
 }
 
@@ -28,6 +28,7 @@ std::vector<TimedPose> TrajectoryLog::poses(const Map& map) const {
     }
     const Keyframe* keyframe = map.keyframe(reference);
     assert(keyframe);
+    if (!map.isPlaced(reference)) continue;
     out.push_back({entry.stamp, (T_camera_reference * keyframe->T_camera_world).inverse()});
   }
   return out;

@@ -150,14 +150,31 @@ TEST(TrajectoryLog, FollowsMovedAndRemovedKeyframes) {
     frame.T_camera_world = cameraAt({0.1 * i, 0, 0});
     ids.push_back(insertKeyframe(map, frame, SensorConfig(), MapMaintenanceConfig()));
   }
+  map.hangTree(ids[2], ids[0]);  // they share no landmarks, so none hangs on another yet
   TrajectoryLog log;
   log.add(Stamp{1}, cameraAt({0.25, 0, 0}), *map.keyframe(ids[2]));
   log.keyframeRemoved(map, *map.keyframe(ids[2]));
   map.removeKeyframe(ids[2]);
   EXPECT_LT((log.poses(map)[0].T_world_camera.translation() - Eigen::Vector3d(0.25, 0, 0)).norm(), 1e-9);
-  map.setPose(ids[0],
-              cameraAt({0, 1, 0}));  // ids[2] had no parent that it shares landmarks with: it hangs on the first
+  map.setPose(ids[0], cameraAt({0, 1, 0}));
   EXPECT_LT((log.poses(map)[0].T_world_camera.translation() - Eigen::Vector3d(0.25, 1, 0)).norm(), 1e-9);
+}
+
+TEST(TrajectoryLog, LeavesOutPosesOfAMapThatIsNotJoined) {
+  PointScene scene(300);
+  Map map;
+  std::vector<KeyframeId> ids;
+  TrajectoryLog log;
+  for (int i = 0; i < 2; ++i) {
+    TrackedFrame frame = scene.frame(i, cameraAt({0, 0, 0}));
+    ids.push_back(insertKeyframe(map, frame, SensorConfig(), MapMaintenanceConfig()));
+    log.add(Stamp{i}, cameraAt({0, 0, 0}), *map.keyframe(ids[i]));
+  }
+  EXPECT_EQ(log.poses(map).size(), 1U);
+  map.moveTree(ids[1], cameraAt({-2, 0, 0}));
+  map.hangTree(ids[1], ids[0]);
+  ASSERT_EQ(log.poses(map).size(), 2U);
+  EXPECT_LT((log.poses(map)[1].T_world_camera.translation() - Eigen::Vector3d(2, 0, 0)).norm(), 1e-9);
 }
 
 }  // namespace

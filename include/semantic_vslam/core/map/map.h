@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <set>
 #include <unordered_map>
 #include <vector>
 
@@ -25,7 +26,7 @@ struct Keyframe {
   std::shared_ptr<const CameraModel> camera;
   std::shared_ptr<const FrameFeatures> features;
   std::vector<LandmarkId> landmarks;  ///< per feature; invalid id = none
-  KeyframeId parent;                  ///< in the spanning tree; invalid for the first
+  KeyframeId parent;                  ///< in the spanning tree; invalid for the first of a tree
   std::vector<KeyframeId> loop_edges;
 };
 
@@ -50,7 +51,9 @@ struct MapSolution {
   std::vector<std::pair<KeyframeId, LandmarkId>> outlier_observations;
 };
 
-/// Sole owner of keyframes and landmarks, held by value; everybody else holds ids or copies. Knows no thread: the
+/// Sole owner of keyframes and landmarks, held by value; everybody else holds ids or copies. Keyframes hang in spanning
+/// trees. Each tree has a frame of reference of its own: the one with the oldest keyframe is the world, another one was
+/// begun at an unknown place and waits to be joined with it (see joinTrees()). Knows no thread: the
 /// caller serialises access (SlamSystem steps one by one; SlamRunner guards it by one mutex).
 class Map {
  public:
@@ -65,7 +68,7 @@ class Map {
   // -- shrinking
   void removeObservation(KeyframeId keyframe, LandmarkId landmark);
   void removeLandmark(LandmarkId landmark);
-  /// Removes a keyframe, re-hangs its children in the spanning tree. The first keyframe stays.
+  /// Removes a keyframe, re-hangs its children in the spanning tree. The first keyframe of a tree stays.
   void removeKeyframe(KeyframeId keyframe);
   /// Moves all observations of `from` to `into` and removes `from`.
   void fuseLandmarks(LandmarkId from, LandmarkId into);
@@ -79,6 +82,10 @@ class Map {
   /// Neighbours that share landmarks, most shared first. @param minimum_shared fewer shared landmarks do not count.
   std::vector<std::pair<KeyframeId, int>> covisible(KeyframeId id, int minimum_shared) const;
   std::vector<KeyframeId> children(KeyframeId id) const;
+  /// First keyframe of the tree that a keyframe hangs in; invalid if it is gone.
+  KeyframeId rootOf(KeyframeId id) const;
+  /// Whether the keyframe hangs in the tree of the oldest one, so that its pose is one in the world.
+  bool isPlaced(KeyframeId id) const { return !keyframes_.empty() && rootOf(id) == keyframes_.begin()->first; }
   /// Grows by one with every change that an optimiser's copied problem could conflict with (loop, reset, load).
   std::uint64_t version() const { return version_; }
 
@@ -89,6 +96,11 @@ class Map {
   void setPose(KeyframeId id, const SE3& T_camera_world);
   void setPosition(LandmarkId id, const Eigen::Vector3d& position_world);
   void addLoopEdge(KeyframeId a, KeyframeId b);
+  /// Moves all keyframes of a tree and the landmarks they see.
+  /// @param T_new_old  takes points of the tree's present frame of reference to the new one
+  void moveTree(KeyframeId root, const SE3& T_new_old);
+  /// Hangs a whole tree into another one: `member` becomes a child of `parent`, which must hang in another tree.
+  void hangTree(KeyframeId member, KeyframeId parent);
   void countVisible(LandmarkId id);
   void countFound(LandmarkId id);
   /// Recomputes descriptor, view direction and distance range from the observations.

@@ -54,7 +54,7 @@ int fuseInto(Map& map, const std::vector<LandmarkId>& landmarks, KeyframeId keyf
 int fuseWithNeighbours(Map& map, KeyframeId keyframe, double virtual_baseline_m, const MapMaintenanceConfig& config);
 
 /// Removes covisible keyframes that add nothing: most of their close landmarks are seen by 3 others at the same or a
-/// finer scale. `centre` and the map's first keyframe stay.
+/// finer scale. `centre` and the first keyframe of a tree stay.
 /// @param keep            stays too (tracking's reference), may be invalid
 /// @param before_removal  called with each keyframe that goes, while it is still there
 /// @return keyframes removed

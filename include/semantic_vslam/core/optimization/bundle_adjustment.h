@@ -75,7 +75,7 @@ struct BaReport {
 /// is the map's first one. @return an empty problem if the centre is gone.
 BaProblem selectLocal(const Map& map, KeyframeId centre, const SensorConfig& sensor, const BaConfig& config);
 
-/// The whole map; its first keyframe is fixed.
+/// The whole map; the first keyframe of each tree is fixed.
 BaProblem selectGlobal(const Map& map, const SensorConfig& sensor);
 
 /// Bundle adjustment: poses and landmarks that minimise the reprojection error (ORB-SLAM2, section III.C, eq. 2 and 3,

@@ -82,6 +82,8 @@ class SlamSystem {
   void passOn(const SparseStep& step, KeyframeJob job);
   void submit(KeyframeJob job);
   void mapKeyframe(KeyframeJob job);
+  /// Adds the waiting keyframes whose place in the world is known by now to the dense map.
+  void mapPlaced();
   void work();
 
   const SystemConfig config_;
@@ -90,7 +92,8 @@ class SlamSystem {
   MotionDetector motion_;
   SegmentationStage segmentation_;  // used by step() until initialised, then by the worker
   SparseSlam slam_;
-  DenseMapper dense_;  // used by the worker
+  DenseMapper dense_;                // used by the worker
+  std::deque<KeyframeJob> waiting_;  // used by the worker
   std::optional<Stamp> last_stamp_;
   std::optional<KeyframeJob> candidate_;  ///< k1, until initialisation has made it the first keyframe
 

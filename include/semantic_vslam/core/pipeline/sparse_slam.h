@@ -18,6 +18,7 @@
 #include "semantic_vslam/core/features/place_index.h"
 #include "semantic_vslam/core/loop/loop_corrector.h"
 #include "semantic_vslam/core/loop/loop_detector.h"
+#include "semantic_vslam/core/loop/map_joiner.h"
 #include "semantic_vslam/core/map/map.h"
 #include "semantic_vslam/core/map/map_maintenance.h"
 #include "semantic_vslam/core/map/triangulation.h"
@@ -48,7 +49,8 @@ struct SparseSlamConfig {
     v.group("local_ba", local_ba);
     v.group("places", places);
     v.group("relocalisation", relocalisation);
-    v.flag("close_loops", close_loops, "false: places seen again are not looked for; drift stays");
+    v.flag("close_loops", close_loops,
+           "false: places seen again are not looked for; drift stays, and new maps are not joined with old ones");
     v.group("loop_detection", loop_detection);
     v.group("loop_correction", loop_correction);
   }
@@ -68,8 +70,10 @@ struct ClosedLoop {
   SE3 T_current_matched = SE3::Identity();  ///< as the old landmarks had it, before any optimisation
 };
 
-/// Tracking and the map behind it: owner of the sparse map, the trajectory and, in the background mode, of the worker
-/// that maintains the map. step() is called by one thread; everything else by any.
+/// Tracking and the map behind it: frames are followed in the map; when the camera has been lost for long a new map is
+/// begun beside it, and joined with it when a place of the old one is seen again. Owner of the sparse map, the
+/// trajectory and, in the background mode, of the worker that maintains the map. step() is called by one thread;
+/// everything else by any.
 class SparseSlam {
  public:
   enum class Mode {
@@ -102,14 +106,18 @@ class SparseSlam {
   /// @throws FileError; map and trajectory are then what they were.
   void loadMap(const std::string& path);
 
+  /// Of all frames whose place in the world is known; those of a new map come in when it is joined with the old one.
   std::vector<TimedPose> trajectory() const;
+  /// Of the keyframes whose place in the world is known.
   std::vector<KeyframePose> keyframePoses() const;
+  /// Whether a keyframe is in a new map that is not joined with the old one yet.
+  bool awaitsPlace(KeyframeId keyframe) const;
   std::size_t keyframeCount() const;
   std::size_t landmarkCount() const;
   std::size_t loopCount() const;
   /// Every loop closed since the last reset(), in order.
   std::vector<ClosedLoop> closedLoops() const;
-  /// Positions of all landmarks, metres, in the world.
+  /// Positions of all landmarks whose place in the world is known, metres.
   std::vector<Eigen::Vector3d> landmarkPositions() const;
 
  private:
@@ -121,7 +129,12 @@ class SparseSlam {
   };
 
   SparseStep trackLocked(const TrackedFrame& frame);
+  void beginMapLocked(TrackedFrame first, SparseStep& step);
+  /// Enters a tracked frame into counts and trajectory, and makes a keyframe of it if one is due.
+  void recordLocked(const TrackedFrame& frame, SparseStep& step);
   void relocaliseLocked(const TrackedFrame& frame, TrackingResult& result);
+  /// Looks for the world's map in a frame that is tracked in a new one, and joins them once frames agree on it.
+  void seekWorldLocked(const TrackedFrame& frame, SparseStep& step);
   KeyframeId insertLocked(const TrackedFrame& frame);
   void maintain(const Upkeep& upkeep);
   void adjustAround(KeyframeId keyframe);
@@ -143,6 +156,7 @@ class SparseSlam {
   PlaceIndex places_;                     // guarded by mutex_
   LoopDetector loops_;                    // guarded by mutex_
   std::vector<ClosedLoop> closed_loops_;  // guarded by mutex_
+  JoinEvidence join_evidence_;            // guarded by mutex_
   TrajectoryLog trajectory_;              // guarded by mutex_
   Tracker tracker_;                       // guarded by mutex_, but for prepare(), which is const
   std::atomic<bool> localization_only_{false};

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -64,8 +65,10 @@ std::optional<RelocalisationResult> localizeAt(const Map& map, const std::vector
 /// Finds the camera anywhere in the map (Mur-Artal and Tardos 2015, section V.C): the keyframes most like the frame are
 /// tried in turn. Nothing is returned rather than a pose of which there are two.
 /// @param frame  features, grid and camera are used
+/// @param among  keyframes that count; empty = all
 std::optional<RelocalisationResult> relocalise(const Map& map, const PlaceIndex& index, const TrackedFrame& frame,
-                                               const FrameTrackerConfig& tracker, const RelocalizerConfig& config);
+                                               const FrameTrackerConfig& tracker, const RelocalizerConfig& config,
+                                               const std::function<bool(KeyframeId)>& among = {});
 
 /// A keyframe with those it shares most landmarks with, itself first. Empty if it is gone.
 std::vector<KeyframeId> keyframeGroup(const Map& map, KeyframeId id, int neighbours);

@@ -19,7 +19,9 @@ enum class TrackingState {
   kInitialising,  ///< no map yet
   kOk,            ///< the pose comes from the map
   kRecentlyLost,  ///< the map is not seen: the motion model carries the pose on for a moment
-  kLost,          ///< no pose; every frame tries to find its place again, the map stays
+  /// No pose in the world; every frame tries to find its place again, the map stays. After a while a new map is begun,
+  /// but where that lies is not known until it is joined with the old one: so long it is LOST.
+  kLost,
 };
 
 /// @return "INITIALISING", "OK", "RECENTLY_LOST" or "LOST".
@@ -28,6 +30,7 @@ const char* stateName(TrackingState state);
 struct TrackerConfig {
   int min_inliers = 30;
   double recently_lost_s = 1.0;
+  double new_map_after_s = 5.0;
   OrbConfig orb;
   InitializerConfig initializer;
   FrameTrackerConfig frame;
@@ -40,6 +43,9 @@ struct TrackerConfig {
     v.field("recently_lost_s", recently_lost_s, 0.0, 10.0,
             "how long the motion model alone carries the pose before the state is LOST; a hand-held camera keeps its "
             "velocity for about a second at best");
+    v.field("new_map_after_s", new_map_after_s, 0.0, 1e6,
+            "after this long without finding its place the camera begins a new map, which is joined with the old one "
+            "when a known place is seen again; covered lenses and passers-by are mostly gone by then");
     v.group("orb", orb);
     v.group("initializer", initializer);
     v.group("frame", frame);
@@ -82,6 +88,10 @@ class Tracker {
   const TrackedFrame& lastFrame() const { return *last_; }
   /// The frame just tracked is now this keyframe; the landmarks that were made of it are taken over.
   void keyframeInserted(const Map& map, KeyframeId id);
+  /// To be called with frames that tracking and relocalisation have both failed on.
+  /// @return k1 of a new map, at its origin, if the camera has been lost for long enough and this frame completes a
+  /// pair
+  std::optional<TrackedFrame> offerForNewMap(TrackedFrame frame);
   /// Goes on from a frame whose pose and landmarks are known: k1 of the initialisation, or one found by relocalisation.
   void startFrom(TrackedFrame frame, KeyframeId reference);
   /// The map was corrected: the last frame goes with its reference keyframe.
@@ -104,6 +114,7 @@ class Tracker {
   TrackingState state_ = TrackingState::kInitialising;
   std::optional<TrackedFrame> last_;  ///< last frame with a pose
   std::optional<SE3> velocity_;       ///< T_current_last per frame of the stream
+  std::optional<Stamp> lost_since_;   ///< first frame that had no pose
   KeyframeId reference_;
   std::uint64_t last_keyframe_index_ = 0;
 };

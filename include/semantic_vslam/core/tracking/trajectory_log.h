@@ -17,7 +17,8 @@ class TrajectoryLog {
   void add(Stamp stamp, const SE3& T_camera_world, const Keyframe& reference);
   /// Call before a keyframe leaves the map: poses relative to it go on relative to its parent.
   void keyframeRemoved(const Map& map, const Keyframe& keyframe);
-  /// @return all poses at the keyframes' present places, in the order they were added.
+  /// @return the poses whose place in the world is known, at the keyframes' present places, in the order they were
+  /// added.
   std::vector<TimedPose> poses(const Map& map) const;
   std::size_t size() const { return entries_.size(); }
   void clear();

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "semantic_vslam/core/eval/synthetic_room.h"
+#include "semantic_vslam/core/eval/trajectory_error.h"
+#include "semantic_vslam/core/pipeline/sparse_slam.h"
+
+namespace semantic_vslam {
+namespace {
+
+CameraIntrinsics quarterVga() { return {320, 240, 262.5, 262.5, 159.5, 119.5, {}}; }
+
+/// An empty office in which the camera stands near the middle and turns by half a radian a second.
+Scenario turningCamera() {
+  Scenario scenario = makeScenario("static", 1);
+  scenario.camera.knots.clear();
+  for (int i = 0; i < 9; ++i) scenario.camera.knots.push_back({{0.05 * i, -0.03 * i, 1.25}, 0.5 * (i - 1), -0.15});
+  return scenario;
+}
+
+/// The camera turns from A towards B, is carried off to B at once, and turns back to A.
+class Kidnap {
+ public:
+  Kidnap() : room_(turningCamera(), quarterVga()), slam_(config(), SparseSlam::Mode::kSynchronous) {}
+
+  /// Turns between two times of the path, either way.
+  /// @return state of the last frame
+  TrackingState turn(double from_s, double to_s) {
+    const int frames = static_cast<int>(std::lround(std::abs(to_s - from_s) * 30.0));
+    TrackingState state = TrackingState::kLost;
+    for (int i = 0; i <= frames; ++i) {
+      const SyntheticFrame rendered = room_.render(from_s + (to_s - from_s) * i / frames);
+      RgbdFrame frame = rendered.frame;
+      frame.index = index_;
+      frame.stamp = Stamp::fromSeconds(1.0 + static_cast<double>(index_++) / 30.0);
+      truth_.push_back({frame.stamp, rendered.T_world_camera});
+      state = slam_.step(frame, {}, times_).tracking.state;
+    }
+    return state;
+  }
+  SparseSlam& slam() { return slam_; }
+  double error_m() const { return absoluteTrajectoryError(truth_, slam_.trajectory()).translation_m.max; }
+  std::size_t frames() const { return truth_.size(); }
+
+ private:
+  static SparseSlamConfig config() {
+    SparseSlamConfig config;
+    config.tracking.recently_lost_s = 0.2;
+    config.tracking.new_map_after_s = 0.3;
+    config.tracking.frame.sensor.depth_sigma_px = 0.5;  // at half a Kinect's size a pixel is two of its pixels
+    config.tracking.frame.sensor.close_baselines = 60;  // the walls are more than 3 m away
+    return config;
+  }
+
+  SyntheticRoom room_;
+  StageTimes times_;
+  SparseSlam slam_;
+  std::uint64_t index_ = 0;
+  std::vector<TimedPose> truth_;
+};
+
+TEST(NewMap, IsBegunAtAnUnknownPlaceAndJoinedWhenTheOldOneIsSeenAgain) {
+  Kidnap kidnap;
+  SparseSlam& slam = kidnap.slam();
+  ASSERT_EQ(kidnap.turn(0.0, 1.5), TrackingState::kOk);
+  const std::size_t old_keyframes = slam.keyframeCount(), old_poses = slam.trajectory().size();
+
+  EXPECT_EQ(kidnap.turn(6.0, 4.5), TrackingState::kLost) << "where the new map lies is not known";
+  EXPECT_GT(slam.keyframeCount(), old_keyframes) << "but it grows";
+  EXPECT_EQ(slam.keyframePoses().size(), old_keyframes);
+  EXPECT_EQ(slam.trajectory().size(), old_poses);
+
+  EXPECT_EQ(kidnap.turn(4.5, 0.0), TrackingState::kOk);
+  EXPECT_EQ(slam.keyframePoses().size(), slam.keyframeCount()) << "all of it has its place";
+  EXPECT_GT(slam.trajectory().size(), kidnap.frames() - 15) << "but for the frames before the new map was begun";
+  EXPECT_LT(kidnap.error_m(), 0.05);
+}
+
+TEST(NewMap, IsNotBegunInLocalisationOnlyMode) {
+  Kidnap kidnap;
+  ASSERT_EQ(kidnap.turn(0.0, 1.0), TrackingState::kOk);
+  const std::size_t keyframes = kidnap.slam().keyframeCount();
+  kidnap.slam().setLocalizationOnly(true);
+  EXPECT_EQ(kidnap.turn(6.0, 5.0), TrackingState::kLost);
+  EXPECT_EQ(kidnap.slam().keyframeCount(), keyframes);
+}
+
+}  // namespace
+}  // namespace semantic_vslam

@@ -82,9 +82,14 @@ double wayBetween(const Map& map, KeyframeId from, KeyframeId to) {
   return way_m;
 }
 
-/// Landmarks found in a keyframe if it were at a pose.
-int countFound(const Map& map, const std::vector<LandmarkId>& landmarks, const Keyframe& keyframe,
-               const SE3& T_camera_world, double radius_px, double virtual_baseline_m) {
+/// Landmarks that a keyframe should see, and those that it does.
+struct Seen {
+  int expected = 0, found = 0;
+};
+
+/// Looks for landmarks in a keyframe as if it were at a pose.
+Seen lookFor(const Map& map, const std::vector<LandmarkId>& landmarks, const Keyframe& keyframe,
+             const SE3& T_camera_world, double radius_px, double virtual_baseline_m) {
   std::vector<GuidedQuery> queries;
   for (const LandmarkId id : landmarks) {
     Sighting sighting;
@@ -96,7 +101,8 @@ int countFound(const Map& map, const std::vector<LandmarkId>& landmarks, const K
   search.max_distance = kMaxDistanceStrict;
   search.virtual_bf_px_m = static_cast<float>(keyframe.camera->fx() * virtual_baseline_m);
   const TrackedFrame frame = frameOf(keyframe);
-  return static_cast<int>(searchGuided(queries, *frame.features, frame.grid, {}, search).size());
+  const auto matches = searchGuided(queries, *frame.features, frame.grid, {}, search);
+  return {static_cast<int>(queries.size()), static_cast<int>(matches.size())};
 }
 
 }  // namespace
@@ -174,18 +180,19 @@ bool LoopDetector::driftExplains(const Map& map, const Keyframe& current, Keyfra
 bool LoopDetector::neighboursConfirm(const Map& map, const Keyframe& current, const std::vector<KeyframeId>& group,
                                      const SE3& T_current_world) const {
   const auto landmarks = landmarksSeenBy(map, group);
-  int confirmed = 0, asked = 0;
+  int confirmed = 0, able = 0, asked = 0;
   for (const auto& [id, shared] : map.covisible(current.id, kMinShared)) {
     static_cast<void>(shared);
-    // Twice as many as must confirm are asked: some look elsewhere.
     if (confirmed >= config_.confirming_neighbours || asked++ >= 2 * config_.confirming_neighbours) break;
     const Keyframe& neighbour = *map.keyframe(id);
     const SE3 T_neighbour_world = neighbour.T_camera_world * current.T_camera_world.inverse() * T_current_world;
-    const int found = countFound(map, landmarks, neighbour, T_neighbour_world, config_.confirming_radius_px,
-                                 tracker_.sensor.virtual_baseline_m);
-    confirmed += found >= config_.min_confirming_matches ? 1 : 0;
+    const Seen seen = lookFor(map, landmarks, neighbour, T_neighbour_world, config_.confirming_radius_px,
+                              tracker_.sensor.virtual_baseline_m);
+    // One that looks elsewhere cannot confirm; where keyframes are few, fewer than wanted can.
+    able += seen.expected >= 2 * config_.min_confirming_matches ? 1 : 0;
+    confirmed += seen.found >= config_.min_confirming_matches ? 1 : 0;
   }
-  return confirmed >= config_.confirming_neighbours;
+  return confirmed >= std::clamp(able, std::min(1, config_.confirming_neighbours), config_.confirming_neighbours);
 }
 
 }  // namespace semantic_vslam

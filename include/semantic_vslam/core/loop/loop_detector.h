@@ -33,8 +33,10 @@ struct LoopDetectorConfig {
             "a candidate must look at least this much like the keyframe as the least similar of its neighbours does");
     v.field("max_candidates", max_candidates, 1, 200, "keyframes of similar appearance that are looked at");
     v.field("consistent_keyframes", consistent_keyframes, 1, 20, "keyframes in a row that must point at one place");
-    v.field("confirming_neighbours", confirming_neighbours, 0, 10,
-            "neighbours of the keyframe that must see the old landmarks too, where the loop would put them");
+    v.field(
+        "confirming_neighbours", confirming_neighbours, 0, 10,
+        "neighbours of the keyframe that must see the old landmarks too, where the loop would put them; where fewer "
+        "should, all of these, and one at least");
     v.field("min_confirming_matches", min_confirming_matches, 5, 500, "landmarks that each of these must find");
     v.field("confirming_radius_px", confirming_radius_px, 1.0, 50.0, "search radius for these, px at full size");
     v.field("max_drift_share", max_drift_share, 0.0, 1.0,

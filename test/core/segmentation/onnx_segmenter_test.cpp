@@ -146,6 +146,19 @@ TEST(OnnxSegmenter, RefusesAConfigurationOutOfRange) {
   EXPECT_THROW(makeOnnxSegmenter(config), ConfigError);
 }
 
+TEST(OnnxSegmenter, RunsTheNetworkOfThePackage) {
+  SegmentationConfig config;
+  config.model = "bisenetv2_indoor.onnx";
+  const auto segmenter = makeOnnxSegmenter(config);
+  ASSERT_EQ(segmenter->labels().size(), 11U);
+  EXPECT_EQ(segmenter->labels().classes[1].name, "person");
+  const cv::Mat1b labels = segmenter->segment(threeColours({64, 48}));
+  EXPECT_EQ(labels.size(), cv::Size(64, 48));
+  double largest = 0.0;
+  cv::minMaxLoc(labels, nullptr, &largest);
+  EXPECT_LT(largest, 11.0);
+}
+
 TEST(OnnxSegmenter, FindsThePeopleOfAPhotograph) {
   SegmentationConfig config;
   config.model = sharedPath("data/models/deeplabv3_mnv2_pascal_quant.onnx");

@@ -55,6 +55,7 @@ class MotionNodelet final : public nodelet::Nodelet {
   void step(const RgbdMessages& messages);
   void takeChanges();
   void publish(const std_msgs::Header& header, const MotionResult& result, double cpu_ms);
+  void describe(StageDiagnostics::Status& status);  // callback thread
 
   MotionNodeletConfig config_;
   std::optional<RgbdConverter> converter_;  // worker only
@@ -64,6 +65,7 @@ class MotionNodelet final : public nodelet::Nodelet {
   std::optional<MotionConfig> new_config_;               // guarded by mutex_
   std::vector<std::pair<Stamp, cv::Mat1b>> new_labels_;  // guarded by mutex_
   LabelSet label_set_;                                   // guarded by mutex_
+  MotionReport newest_;                                  // guarded by mutex_
   std::atomic<std::size_t> labels_taken_{0}, labels_late_{0};
 
   ros::Publisher mask_publisher_, flow_publisher_, report_publisher_;
@@ -117,11 +119,19 @@ void MotionNodelet::start() {
   input_ = std::make_unique<RgbdSubscriber>(nh, config_.input,
                                             [this](const RgbdMessages& messages) { worker_->push(messages); });
   diagnostics_->start(nh, {[this] { return input_->missing(); }, [this] { return worker_->counters(); },
-                           [this](StageDiagnostics::Status& status) {
-                             status.add("frames refused", converter_->refused());
-                             status.add("label images used", labels_taken_.load());
-                             status.add("label images too late", labels_late_.load());
-                           }});
+                           [this](StageDiagnostics::Status& status) { describe(status); }});
+}
+
+void MotionNodelet::describe(StageDiagnostics::Status& status) {
+  status.add("frames refused", converter_->refused());
+  status.add("label images used", labels_taken_.load());
+  status.add("label images too late", labels_late_.load());
+  std::lock_guard<std::mutex> lock(mutex_);
+  status.add("model", newest_.model == MotionReport::MODEL_RIGID_FLOW   ? "rigid_flow"
+                      : newest_.model == MotionReport::MODEL_HOMOGRAPHY ? "homography"
+                                                                        : "none");
+  status.add("inliers", newest_.inliers);
+  status.add("dynamic share", newest_.dynamic_share);
 }
 
 void MotionNodelet::onLabelInfo(const LabelInfoConstPtr& message) {
@@ -179,6 +189,8 @@ void MotionNodelet::publish(const std_msgs::Header& header, const MotionResult& 
   report->dynamic_share = static_cast<float>(result.dynamic_share);
   report->cpu_ms = static_cast<float>(cpu_ms);
   report_publisher_.publish(report);
+  std::lock_guard<std::mutex> lock(mutex_);
+  newest_ = *report;
 }
 
 }  // namespace semantic_vslam

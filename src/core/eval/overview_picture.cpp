@@ -131,7 +131,9 @@ void drawSample(PlotCanvas& canvas, const OverviewContent& content, int top_px) 
   }
 }
 
-void drawLegendOfLabels(PlotCanvas& canvas, const OverviewContent& content, cv::Point2d at_px) {
+/// Every label in the map, in lines from left_px to right_px.
+void drawLegendOfLabels(PlotCanvas& canvas, const OverviewContent& content, cv::Point2d at_px, double right_px) {
+  const double left_px = at_px.x;
   std::vector<std::size_t> count(content.labels.size(), 0);
   for (const auto& point : content.cloud) {
     if (point.label < count.size()) ++count[point.label];
@@ -139,9 +141,11 @@ void drawLegendOfLabels(PlotCanvas& canvas, const OverviewContent& content, cv::
   for (std::size_t label = 0; label < count.size(); ++label) {
     if (count[label] == 0) continue;
     const auto& entry = content.labels.classes[label];
+    const double width_px = 40 + PlotCanvas::textWidth(entry.name, 10.0);
+    if (at_px.x + width_px > right_px) at_px = {left_px, at_px.y + 18};
     canvas.fill(cv::Rect2d(at_px.x, at_px.y - 10, 12, 12), entry.color_bgr);
     canvas.text(entry.name, {at_px.x + 18, at_px.y}, 10.0, kInk);
-    at_px.x += 40 + PlotCanvas::textWidth(entry.name, 10.0);
+    at_px.x += width_px;
   }
 }
 
@@ -156,7 +160,7 @@ cv::Mat3b drawOverview(const OverviewContent& content) {
   if (with_error) drawErrorOverTime(canvas, cv::Rect(920, 75, 710, 640), *content.absolute);
   if (!content.sample_bgr.empty() && content.camera) {
     drawSample(canvas, content, 725);
-    drawLegendOfLabels(canvas, content, {1110, 1180});
+    drawLegendOfLabels(canvas, content, {1110, 1160}, 1630);
   }
   return canvas.picture();
 }

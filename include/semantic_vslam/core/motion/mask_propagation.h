@@ -16,7 +16,7 @@ namespace semantic_vslam {
 /// Not the mask is moved but, for each present cell, the position it came from: the mask is read once, at the end, and
 /// does not blur however often it moved. A chain of positions breaks where background is uncovered (the surface lies
 /// behind the one it would come from) and where the flow leaves the image.
-/// Labels that come late are traced through all frames since their own at once: 0.05 ms a frame.
+/// Labels that come late are traced through all frames since their own at once.
 class MaskPropagation {
  public:
   explicit MaskPropagation(const MaskPropagationConfig& config);

@@ -15,8 +15,8 @@ namespace semantic_vslam {
 /// @return whether there were two trees
 bool joinTrees(Map& map, LoopClosure& closure);
 
-/// Collects frames of a new map that were also found in the old one. Each tells where the new map lies; that is believed
-/// when three in a row say the same, which frames mistaken for another place, each in its own way, do not.
+/// Collects frames of a new map that were also found in the old one. Each tells where the new map lies; that is
+/// believed when three in a row say the same, which frames mistaken for another place, each in its own way, do not.
 class JoinEvidence {
  public:
   /// @param T_new_camera, T_old_camera  one frame's pose in either map  @return whether that settles it

@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/loop/map_joiner.h"
 
+#include <utility>
+
 namespace semantic_vslam {
 namespace {
 
 constexpr int kAgreeing = 3;
 // Twice the spread of a pose found by relocalisation (RelocalizerConfig::max_sigma_m), seen from either side.
 constexpr double kMaxApartM = 0.05, kMaxApartRad = 0.05;
+// Every so many frames are looked up: it takes as long as tracking does.
+constexpr std::uint64_t kSeekEvery = 3;
 
 }  // namespace
 
@@ -33,6 +37,20 @@ bool JoinEvidence::add(const SE3& T_new_camera, const SE3& T_old_camera) {
   agreeing_ = agreeing_ > 0 && agrees ? agreeing_ + 1 : 1;
   T_old_new_ = T_old_camera * T_new_camera.inverse();
   return agreeing_ >= kAgreeing;
+}
+
+std::optional<LoopClosure> WorldSeeker::seek(const Map& map, const PlaceIndex& places, const TrackedFrame& frame,
+                                             const SE3& T_camera_own) {
+  if (frame.index % kSeekEvery != 0) return std::nullopt;
+  auto found =
+      relocalise(map, places, frame, tracker_, relocalisation_, [&map](KeyframeId id) { return map.isPlaced(id); });
+  if (!found || !evidence_.add(T_camera_own.inverse(), found->T_camera_world.inverse())) return std::nullopt;
+  LoopClosure closure;
+  closure.matched = found->keyframe;
+  closure.T_current_world = found->T_camera_world;
+  closure.T_current_matched = found->T_camera_world * map.keyframe(found->keyframe)->T_camera_world.inverse();
+  closure.landmarks = std::move(found->landmarks);
+  return closure;
 }
 
 }  // namespace semantic_vslam

@@ -2,10 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
+#include "semantic_vslam/core/features/place_index.h"
 #include "semantic_vslam/core/loop/loop_detector.h"
 #include "semantic_vslam/core/map/map.h"
+#include "semantic_vslam/core/tracking/relocalizer.h"
 
 namespace semantic_vslam {
+
+/// What is logged when two trees have become one.
+constexpr char kMapsJoined[] = "the new map is joined with the old one";
 
 /// Joins two trees of keyframes (see Map) at a place that both know: the younger one moves, whole and rigidly, to where
 /// the closure sees it in the older one's frame of reference, and is hung into it. Depth gives both the same scale.
@@ -26,6 +33,26 @@ class JoinEvidence {
  private:
   SE3 T_old_new_ = SE3::Identity();  ///< by the last frame
   int agreeing_ = 0;
+};
+
+/// Looks for the world in frames that are tracked in a new map beside it. Tracking calls it with every frame, so that a
+/// known place joins the maps at once; loop closing, which asks for several keyframes there, does it otherwise.
+class WorldSeeker {
+ public:
+  WorldSeeker(const FrameTrackerConfig& tracker, const RelocalizerConfig& relocalisation)
+      : tracker_(tracker), relocalisation_(relocalisation) {}
+
+  /// @param T_camera_own  the frame's pose in the new map
+  /// @return once frames agree on it: where the world sees this one. `current` is left to the caller, who makes a
+  /// keyframe of the frame.
+  std::optional<LoopClosure> seek(const Map& map, const PlaceIndex& places, const TrackedFrame& frame,
+                                  const SE3& T_camera_own);
+  void reset() { evidence_.reset(); }
+
+ private:
+  FrameTrackerConfig tracker_;
+  RelocalizerConfig relocalisation_;
+  JoinEvidence evidence_;
 };
 
 }  // namespace semantic_vslam

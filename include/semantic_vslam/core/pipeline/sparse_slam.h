@@ -15,46 +15,13 @@
 #include "semantic_vslam/core/common/latest_task.h"
 #include "semantic_vslam/core/dense/keyframe_cloud.h"
 #include "semantic_vslam/core/eval/stage_timing.h"
-#include "semantic_vslam/core/features/place_index.h"
-#include "semantic_vslam/core/loop/loop_corrector.h"
-#include "semantic_vslam/core/loop/loop_detector.h"
+#include "semantic_vslam/core/io/trajectory.h"
 #include "semantic_vslam/core/loop/map_joiner.h"
-#include "semantic_vslam/core/map/map.h"
-#include "semantic_vslam/core/map/map_maintenance.h"
-#include "semantic_vslam/core/map/triangulation.h"
-#include "semantic_vslam/core/optimization/bundle_adjustment.h"
-#include "semantic_vslam/core/tracking/relocalizer.h"
-#include "semantic_vslam/core/tracking/tracker.h"
-#include "semantic_vslam/core/tracking/trajectory_log.h"
+#include "semantic_vslam/core/pipeline/loop_closer.h"
+#include "semantic_vslam/core/pipeline/shared_map.h"
+#include "semantic_vslam/core/pipeline/sparse_slam_config.h"
 
 namespace semantic_vslam {
-
-struct SparseSlamConfig {
-  TrackerConfig tracking;
-  MapMaintenanceConfig mapping;
-  TriangulationConfig triangulation;
-  BaConfig local_ba;
-  PlaceIndexConfig places;
-  RelocalizerConfig relocalisation;
-  bool close_loops = true;
-  LoopDetectorConfig loop_detection;
-  LoopCorrectorConfig loop_correction;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.group("sensor", tracking.frame.sensor);
-    v.group("tracking", tracking);
-    v.group("mapping", mapping);
-    v.group("triangulation", triangulation);
-    v.group("local_ba", local_ba);
-    v.group("places", places);
-    v.group("relocalisation", relocalisation);
-    v.flag("close_loops", close_loops,
-           "false: places seen again are not looked for; drift stays, and new maps are not joined with old ones");
-    v.group("loop_detection", loop_detection);
-    v.group("loop_correction", loop_correction);
-  }
-};
 
 /// What became of one frame.
 struct SparseStep {
@@ -62,12 +29,6 @@ struct SparseStep {
   std::optional<KeyframeId> first_keyframe;  ///< k1, when this frame completed the initialisation
   Stamp first_stamp;                         ///< of k1
   std::optional<KeyframeId> keyframe;        ///< this frame, if it became a keyframe
-};
-
-/// A loop that was closed, as the place was recognised.
-struct ClosedLoop {
-  Stamp current, matched;                   ///< of the keyframe that came back, and of the earlier one it saw again
-  SE3 T_current_matched = SE3::Identity();  ///< as the old landmarks had it, before any optimisation
 };
 
 /// Tracking and the map behind it: frames are followed in the map; when the camera has been lost for long a new map is
@@ -114,9 +75,9 @@ class SparseSlam {
   bool awaitsPlace(KeyframeId keyframe) const;
   std::size_t keyframeCount() const;
   std::size_t landmarkCount() const;
-  std::size_t loopCount() const;
-  /// Every loop closed since the last reset(), in order.
-  std::vector<ClosedLoop> closedLoops() const;
+  std::size_t loopCount() const { return loops_.count(); }
+  /// Every loop closed in this map, in order.
+  std::vector<ClosedLoop> closedLoops() const { return loops_.closedLoops(); }
   /// Positions of all landmarks whose place in the world is known, metres.
   std::vector<Eigen::Vector3d> landmarkPositions() const;
 
@@ -138,27 +99,16 @@ class SparseSlam {
   KeyframeId insertLocked(const TrackedFrame& frame);
   void maintain(const Upkeep& upkeep);
   void adjustAround(KeyframeId keyframe);
-  /// @return false if there is none
-  bool closeLoop(KeyframeId keyframe);
   void startAdjustingAll(const Upkeep& upkeep);
-  void adjustAll(const std::atomic<bool>& abort);
   void waitForUpkeep();
-  /// Runs a change of the map that may move keyframes; tracking's last frame moves with its reference.
-  template <class Change>
-  bool changeLocked(const Change& change);
   void work();
 
   const SparseSlamConfig config_;
   const Mode mode_;
 
-  mutable std::mutex mutex_;
-  Map map_;                               // guarded by mutex_
-  PlaceIndex places_;                     // guarded by mutex_
-  LoopDetector loops_;                    // guarded by mutex_
-  std::vector<ClosedLoop> closed_loops_;  // guarded by mutex_
-  JoinEvidence join_evidence_;            // guarded by mutex_
-  TrajectoryLog trajectory_;              // guarded by mutex_
-  Tracker tracker_;                       // guarded by mutex_, but for prepare(), which is const
+  SharedMap shared_;
+  LoopCloser loops_;
+  WorldSeeker seeker_;  // guarded by shared_.mutex
   std::atomic<bool> localization_only_{false};
 
   std::atomic<bool> abort_ba_{false};

@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/pipeline/loop_closer.h"
+
+#include <optional>
+
+#include "semantic_vslam/core/common/log.h"
+#include "semantic_vslam/core/loop/loop_corrector.h"
+#include "semantic_vslam/core/loop/map_joiner.h"
+#include "semantic_vslam/core/optimization/bundle_adjustment.h"
+
+namespace semantic_vslam {
+namespace {
+
+ClosedLoop recordOf(const Map& map, const LoopClosure& closure) {
+  return {map.keyframe(closure.current)->stamp, map.keyframe(closure.matched)->stamp, closure.T_current_matched};
+}
+
+}  // namespace
+
+LoopCloser::LoopCloser(const SparseSlamConfig& config, SharedMap& map)
+    : config_(config), shared_(map), detector_(config.loop_detection, config.tracking.frame) {}
+
+bool LoopCloser::closeAt(KeyframeId keyframe) {
+  std::optional<LoopClosure> closure;
+  PoseGraphProblem graph;
+  {
+    std::lock_guard<std::mutex> lock(shared_.mutex);
+    if (!shared_.map.keyframe(keyframe)) return false;
+    closure = detector_.detect(shared_.map, shared_.places, keyframe);
+    if (!closure) return false;
+    if (shared_.changeLocked([&] { return joinTrees(shared_.map, *closure); })) logInfo(kMapsJoined);
+    graph = selectLoop(shared_.map, *closure, config_.loop_correction);
+  }
+  const MapSolution solution = solve(graph, config_.loop_correction.graph, nullptr);
+  {
+    std::lock_guard<std::mutex> lock(shared_.mutex);
+    const bool applied = shared_.changeLocked([&] {
+      return applyLoop(shared_.map, *closure, solution, graph.map_version,
+                       config_.tracking.frame.sensor.virtual_baseline_m, config_.loop_correction);
+    });
+    detector_.reset();
+    if (!applied) return false;
+    closed_.push_back(recordOf(shared_.map, *closure));
+  }
+  logInfo("loop closed: this place was seen before");
+  return true;
+}
+
+void LoopCloser::adjustAll(const std::atomic<bool>& abort) {
+  BaProblem problem;
+  {
+    std::lock_guard<std::mutex> lock(shared_.mutex);
+    problem = selectGlobal(shared_.map, config_.tracking.frame.sensor);
+  }
+  MapSolution solution = solve(problem, config_.local_ba, &abort);
+  if (abort) return;  // the loop that aborted it starts another one
+  std::lock_guard<std::mutex> lock(shared_.mutex);
+  carryAlong(shared_.map, solution);
+  // The new version refuses a local adjustment of the map as it was before.
+  if (shared_.changeLocked([&] { return shared_.map.apply(solution, problem.map_version); })) shared_.map.bumpVersion();
+}
+
+std::vector<ClosedLoop> LoopCloser::closedLoops() const {
+  std::lock_guard<std::mutex> lock(shared_.mutex);
+  return closed_;
+}
+
+std::size_t LoopCloser::count() const {
+  std::lock_guard<std::mutex> lock(shared_.mutex);
+  return closed_.size();
+}
+
+void LoopCloser::resetLocked() {
+  detector_.reset();
+  closed_.clear();
+}
+
+}  // namespace semantic_vslam

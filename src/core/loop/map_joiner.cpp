@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/loop/map_joiner.h"
 
+#include <map>
 #include <utility>
 
 namespace semantic_vslam {
@@ -29,6 +30,19 @@ bool joinTrees(Map& map, LoopClosure& closure) {
     closure.T_current_world = T_current_own;
   }
   return true;
+}
+
+std::vector<KeyframeId> abandonedTrees(const Map& map, KeyframeId camera_at, int min_keyframes) {
+  std::map<KeyframeId, int> sizes;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    static_cast<void>(keyframe);
+    ++sizes[map.rootOf(id)];
+  }
+  std::vector<KeyframeId> abandoned;
+  for (const auto& [root, keyframes] : sizes) {
+    if (keyframes < min_keyframes && !map.isPlaced(root) && root != map.rootOf(camera_at)) abandoned.push_back(root);
+  }
+  return abandoned;
 }
 
 bool JoinEvidence::add(const SE3& T_new_camera, const SE3& T_old_camera) {

@@ -146,12 +146,27 @@ void Map::removeLandmark(LandmarkId id) {
 void Map::removeKeyframe(KeyframeId id) {
   const Keyframe* gone = keyframe(id);
   if (!gone || !gone->parent.valid()) return;
-  const auto matches = gone->landmarks;
+  const KeyframeId parent = gone->parent;
+  for (const KeyframeId child : children(id)) mutableKeyframe(child)->parent = parent;
+  forgetKeyframe(id);
+}
+
+std::vector<KeyframeId> Map::removeTree(KeyframeId root) {
+  std::vector<KeyframeId> members;
+  for (const auto& [id, keyframe] : keyframes_) {
+    static_cast<void>(keyframe);
+    if (rootOf(id) == root) members.push_back(id);
+  }
+  for (const KeyframeId id : members) forgetKeyframe(id);
+  return members;
+}
+
+/// Removes a keyframe, its observations and the loop edges to it; the spanning tree is the caller's matter.
+void Map::forgetKeyframe(KeyframeId id) {
+  const auto matches = keyframe(id)->landmarks;
   for (const LandmarkId landmark_id : matches) {
     if (landmark_id.valid()) removeObservation(id, landmark_id);
   }
-  const KeyframeId parent = gone->parent;
-  for (const KeyframeId child : children(id)) mutableKeyframe(child)->parent = parent;
   for (auto& [other_id, other] : keyframes_) {
     static_cast<void>(other_id);
     auto& edges = other.loop_edges;

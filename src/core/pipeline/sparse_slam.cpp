@@ -87,6 +87,7 @@ void SparseSlam::beginMapLocked(TrackedFrame first, SparseStep& step) {
   first.landmarks = shared_.map.keyframe(*step.first_keyframe)->landmarks;
   shared_.trajectory.add(first.stamp, first.T_camera_world, *shared_.map.keyframe(*step.first_keyframe));
   shared_.tracker.startFrom(std::move(first), *step.first_keyframe);
+  dropAbandonedLocked();
 }
 
 void SparseSlam::recordLocked(const TrackedFrame& frame, SparseStep& step) {
@@ -132,11 +133,22 @@ void SparseSlam::relocaliseLocked(const TrackedFrame& frame, TrackingResult& res
   placed.T_camera_world = found->T_camera_world;
   placed.landmarks = found->landmarks;
   shared_.tracker.startFrom(std::move(placed), found->keyframe);
+  if (!localization_only_) dropAbandonedLocked();
   result.state = TrackingState::kOk;
   result.T_camera_world = found->T_camera_world;
   result.covariance = found->covariance;
   result.reference = found->keyframe;
   result.matches = result.inliers = found->inliers;
+}
+
+void SparseSlam::dropAbandonedLocked() {
+  const auto roots = abandonedTrees(shared_.map, shared_.tracker.reference(), config_.mapping.min_tree_keyframes);
+  if (roots.empty()) return;
+  for (const KeyframeId root : roots) {
+    for (const KeyframeId id : shared_.map.removeTree(root)) shared_.places.remove(id);
+  }
+  shared_.trajectory.treesRemoved(shared_.map);
+  logInfo("a map of a few keyframes, begun when lost and lost again, is dropped");
 }
 
 KeyframeId SparseSlam::insertLocked(const TrackedFrame& frame) {

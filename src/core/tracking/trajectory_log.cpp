@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/tracking/trajectory_log.h"
 
+#include <algorithm>
 #include <cassert>
 
 namespace semantic_vslam {
@@ -16,20 +17,28 @@ void TrajectoryLog::keyframeRemoved(const Map& map, const Keyframe& keyframe) {
   heirs_[keyframe.id] = {parent->id, keyframe.T_camera_world * parent->T_camera_world.inverse()};
 }
 
+void TrajectoryLog::treesRemoved(const Map& map) {
+  const auto gone = [&](const Entry& entry) { return map.keyframe(inherited(entry).reference) == nullptr; };
+  entries_.erase(std::remove_if(entries_.begin(), entries_.end(), gone), entries_.end());
+}
+
+TrajectoryLog::Entry TrajectoryLog::inherited(Entry entry) const {
+  for (auto heir = heirs_.find(entry.reference); heir != heirs_.end(); heir = heirs_.find(entry.reference)) {
+    entry.T_camera_reference = entry.T_camera_reference * heir->second.T_removed_keyframe;
+    entry.reference = heir->second.keyframe;
+  }
+  return entry;
+}
+
 std::vector<TimedPose> TrajectoryLog::poses(const Map& map) const {
   std::vector<TimedPose> out;
   out.reserve(entries_.size());
-  for (const Entry& entry : entries_) {
-    SE3 T_camera_reference = entry.T_camera_reference;
-    KeyframeId reference = entry.reference;
-    for (auto heir = heirs_.find(reference); heir != heirs_.end(); heir = heirs_.find(reference)) {
-      T_camera_reference = T_camera_reference * heir->second.T_removed_keyframe;
-      reference = heir->second.keyframe;
-    }
-    const Keyframe* keyframe = map.keyframe(reference);
+  for (const Entry& recorded : entries_) {
+    const Entry entry = inherited(recorded);
+    const Keyframe* keyframe = map.keyframe(entry.reference);
     assert(keyframe);
-    if (!map.isPlaced(reference)) continue;
-    out.push_back({entry.stamp, (T_camera_reference * keyframe->T_camera_world).inverse()});
+    if (!map.isPlaced(entry.reference)) continue;
+    out.push_back({entry.stamp, (entry.T_camera_reference * keyframe->T_camera_world).inverse()});
   }
   return out;
 }

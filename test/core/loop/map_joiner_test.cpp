@@ -97,6 +97,14 @@ TEST(JoinTrees, TheFirstKeyframeOfATreeStaysUntilItIsJoined) {
   }
 }
 
+TEST(AbandonedTrees, AreSmallAndNeitherTheWorldsNorTheCamerasOwn) {
+  TwoTrees trees;
+  const Map& map = trees.synthetic.map;
+  EXPECT_EQ(abandonedTrees(map, trees.old_side[2], 5), (std::vector<KeyframeId>{trees.new_side[0]}));
+  EXPECT_TRUE(abandonedTrees(map, trees.old_side[2], 4).empty()) << "four keyframes are enough";
+  EXPECT_TRUE(abandonedTrees(map, trees.new_side[1], 5).empty()) << "the camera is in it";
+}
+
 TEST(JoinEvidence, IsSettledWhenThreeFramesAgreeOnWhereTheNewMapLies) {
   const SE3 T_old_new = se3Exp((Vector6d() << 3, 1, 0, 0, 0, 0.7).finished());
   JoinEvidence evidence;

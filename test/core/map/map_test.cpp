@@ -80,6 +80,21 @@ TEST_F(MapTest, RemovingAKeyframeReHangsItsChildrenAndKeepsSharedLandmarks) {
   EXPECT_NE(map_.keyframe(a), nullptr) << "the first keyframe stays";
 }
 
+TEST_F(MapTest, RemovingATreeLeavesTheOthersAlone) {
+  const KeyframeId a = addView(cameraAt({0, 0, 0}));
+  const KeyframeId b = addView(cameraAt({0.1, 0, 0}));
+  const std::size_t landmarks = map_.landmarks().size();
+  landmark_of_point_.assign(300, LandmarkId());  // nothing is known again
+  const KeyframeId c = addView(cameraAt({0, 0.1, 0}));
+  const KeyframeId d = addView(cameraAt({0.1, 0.1, 0}));
+  ASSERT_EQ(map_.rootOf(d), c);
+  EXPECT_EQ(map_.removeTree(c), (std::vector<KeyframeId>{c, d}));
+  EXPECT_EQ(map_.keyframes().size(), 2U);
+  EXPECT_EQ(map_.landmarks().size(), landmarks);
+  EXPECT_TRUE(map_.covisible(d, 1).empty());
+  EXPECT_EQ(map_.rootOf(b), a);
+}
+
 TEST_F(MapTest, FusingLandmarksMovesTheirObservations) {
   const KeyframeId a = addView(cameraAt({0, 0, 0}));
   landmark_of_point_.assign(300, LandmarkId());  // b makes landmarks of its own

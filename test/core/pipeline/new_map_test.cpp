@@ -77,6 +77,33 @@ TEST(NewMap, IsBegunAtAnUnknownPlaceAndJoinedWhenTheOldOneIsSeenAgain) {
   EXPECT_LT(kidnap.error_m(), 0.05);
 }
 
+/// Keyframes that are in the map but have no place in the world.
+std::vector<KeyframeId> awaitingPlace(const SparseSlam& slam) {
+  std::vector<KeyframeId> awaiting;
+  for (std::uint64_t id = 0; id < 1000; ++id) {
+    if (slam.awaitsPlace(KeyframeId(id))) awaiting.push_back(KeyframeId(id));
+  }
+  return awaiting;
+}
+
+TEST(NewMap, IsDroppedWhenLostAgainAtOnce) {
+  Kidnap kidnap;
+  SparseSlam& slam = kidnap.slam();
+  ASSERT_EQ(kidnap.turn(0.0, 0.5), TrackingState::kOk);
+  const std::size_t world = slam.keyframeCount();
+  kidnap.turn(6.0, 5.5);
+  const std::vector<KeyframeId> lost = awaitingPlace(slam);
+  ASSERT_FALSE(lost.empty());
+  ASSERT_LT(static_cast<int>(lost.size()), MapMaintenanceConfig().min_tree_keyframes);
+
+  kidnap.turn(8.0, 7.5);
+  const std::vector<KeyframeId> present = awaitingPlace(slam);
+  EXPECT_LT(lost.back(), present.front()) << "the first new map is gone";
+  EXPECT_EQ(slam.keyframeCount(), world + present.size()) << "and nothing else";
+  kidnap.turn(0.0, 0.3);
+  EXPECT_TRUE(awaitingPlace(slam).empty()) << "back in the world, which stays, the second one goes too";
+}
+
 TEST(NewMap, IsNotBegunInLocalisationOnlyMode) {
   Kidnap kidnap;
   ASSERT_EQ(kidnap.turn(0.0, 1.0), TrackingState::kOk);

@@ -177,5 +177,25 @@ TEST(TrajectoryLog, LeavesOutPosesOfAMapThatIsNotJoined) {
   EXPECT_LT((log.poses(map)[1].T_world_camera.translation() - Eigen::Vector3d(2, 0, 0)).norm(), 1e-9);
 }
 
+TEST(TrajectoryLog, ForgetsPosesOfTreesThatAreRemoved) {
+  PointScene scene(300);
+  Map map;
+  std::vector<KeyframeId> ids;
+  TrajectoryLog log;
+  for (int i = 0; i < 3; ++i) {
+    TrackedFrame frame = scene.frame(i, cameraAt({0.1 * i, 0, 0}));
+    ids.push_back(insertKeyframe(map, frame, SensorConfig(), MapMaintenanceConfig()));
+    log.add(Stamp{i}, cameraAt({0.1 * i, 0, 0}), *map.keyframe(ids[i]));
+  }
+  map.hangTree(ids[2], ids[1]);
+  log.keyframeRemoved(map, *map.keyframe(ids[2]));  // its pose is kept by ids[1], until that goes too
+  map.removeKeyframe(ids[2]);
+  map.removeTree(ids[1]);
+  log.treesRemoved(map);
+  EXPECT_EQ(log.size(), 1U);
+  ASSERT_EQ(log.poses(map).size(), 1U);
+  EXPECT_EQ(log.poses(map)[0].stamp, Stamp{0});
+}
+
 }  // namespace
 }  // namespace semantic_vslam

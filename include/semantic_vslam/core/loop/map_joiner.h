@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "semantic_vslam/core/features/place_index.h"
 #include "semantic_vslam/core/loop/loop_detector.h"
@@ -21,6 +22,10 @@ constexpr char kMapsJoined[] = "the new map is joined with the old one";
 /// @param closure  its T_current_world follows if the older tree is the current keyframe's
 /// @return whether there were two trees
 bool joinTrees(Map& map, LoopClosure& closure);
+
+/// Trees besides the world's and the camera's own with too few keyframes for the camera to come upon them again.
+/// @param camera_at  any keyframe of the camera's tree  @return their roots, oldest first
+std::vector<KeyframeId> abandonedTrees(const Map& map, KeyframeId camera_at, int min_keyframes);
 
 /// Collects frames of a new map that were also found in the old one. Each tells where the new map lies; that is
 /// believed when three in a row say the same, which frames mistaken for another place, each in its own way, do not.

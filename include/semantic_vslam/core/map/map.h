@@ -54,7 +54,7 @@ struct MapSolution {
 /// Sole owner of keyframes and landmarks, held by value; everybody else holds ids or copies. Keyframes hang in spanning
 /// trees. Each tree has a frame of reference of its own: the one with the oldest keyframe is the world, another one was
 /// begun at an unknown place and waits to be joined with it (see joinTrees()). Knows no thread: the
-/// caller serialises access (SlamSystem steps one by one; SlamRunner guards it by one mutex).
+/// caller serialises access (SharedMap guards it by one mutex).
 class Map {
  public:
   // -- growing
@@ -70,6 +70,8 @@ class Map {
   void removeLandmark(LandmarkId landmark);
   /// Removes a keyframe, re-hangs its children in the spanning tree. The first keyframe of a tree stays.
   void removeKeyframe(KeyframeId keyframe);
+  /// Removes a whole tree with all that only it sees. @return its keyframes
+  std::vector<KeyframeId> removeTree(KeyframeId root);
   /// Moves all observations of `from` to `into` and removes `from`.
   void fuseLandmarks(LandmarkId from, LandmarkId into);
   void clear();
@@ -120,6 +122,7 @@ class Map {
                std::uint64_t next_keyframe, std::uint64_t next_landmark);
 
  private:
+  void forgetKeyframe(KeyframeId id);
   Keyframe* mutableKeyframe(KeyframeId id);
   Landmark* mutableLandmark(LandmarkId id);
 

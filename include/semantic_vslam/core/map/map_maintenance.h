@@ -18,6 +18,7 @@ struct MapMaintenanceConfig {
   double redundant_share = 0.9;
   double fuse_radius_px = 3.0;
   int fuse_neighbours = 10;
+  int min_tree_keyframes = 5;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -33,6 +34,10 @@ struct MapMaintenanceConfig {
     v.field("fuse_radius_px", fuse_radius_px, 0.5, 20.0, "search radius for duplicates of a landmark, px at full size");
     v.field("fuse_neighbours", fuse_neighbours, 1, 50,
             "covisible keyframes whose landmarks are merged with a new one's");
+    v.field("min_tree_keyframes", min_tree_keyframes, 1, 100,
+            "a new map that is lost again before it has this many and was never joined is dropped: it shows a second "
+            "or two of the way, and loop closing wants three in a row that point at one place and neighbours of theirs "
+            "to confirm it");
   }
 };
 

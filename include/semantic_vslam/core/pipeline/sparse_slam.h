@@ -96,6 +96,8 @@ class SparseSlam {
   void relocaliseLocked(const TrackedFrame& frame, TrackingResult& result);
   /// Looks for the world's map in a frame that is tracked in a new one, and joins them once frames agree on it.
   void seekWorldLocked(const TrackedFrame& frame, SparseStep& step);
+  /// Drops maps that were begun and lost again at once, when the camera has gone on to another one.
+  void dropAbandonedLocked();
   KeyframeId insertLocked(const TrackedFrame& frame);
   void maintain(const Upkeep& upkeep);
   void adjustAround(KeyframeId keyframe);

@@ -17,6 +17,8 @@ class TrajectoryLog {
   void add(Stamp stamp, const SE3& T_camera_world, const Keyframe& reference);
   /// Call before a keyframe leaves the map: poses relative to it go on relative to its parent.
   void keyframeRemoved(const Map& map, const Keyframe& keyframe);
+  /// Call after whole trees have left the map: poses relative to their keyframes are dropped.
+  void treesRemoved(const Map& map);
   /// @return the poses whose place in the world is known, at the keyframes' present places, in the order they were
   /// added.
   std::vector<TimedPose> poses(const Map& map) const;
@@ -33,6 +35,9 @@ class TrajectoryLog {
     KeyframeId keyframe;
     SE3 T_removed_keyframe;
   };
+  /// The same entry, relative to what took the place of a removed reference.
+  Entry inherited(Entry entry) const;
+
   std::vector<Entry> entries_;
   std::unordered_map<KeyframeId, Heir> heirs_;
 };

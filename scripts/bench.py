@@ -69,6 +69,7 @@ def run_once(sequence, camera, out_dir, options=()):
             "rpe_rmse_m": errors["rpe_translation_m"]["rmse"],
             **{f"mask_{key}": (summary["mask"] or {}).get(key) for key in ("iou", "precision", "recall")},
             "initialising": summary["frames_in_state"].get("INITIALISING", 0), "dropped_late": summary["dropped_late"],
+            "latency_ms": summary["latency_ms"],
             "cpu_ms": stage_times(os.path.join(out_dir, "timing.csv"))}
 
 

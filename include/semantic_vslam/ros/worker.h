@@ -8,14 +8,12 @@
 #include <utility>
 
 #include "semantic_vslam/core/common/bounded_queue.h"
+#include "semantic_vslam/core/common/thread_priority.h"
 
 namespace semantic_vslam {
 
 /// kKeyframes: work that may take its time gives way to what every frame waits for, where cores are few.
 enum class WorkerPriority { kFrames, kKeyframes };
-
-/// Lowers the priority of the calling thread to that of keyframe work.
-void yieldToFrames();
 
 /// One thread that works off a bounded queue, so that callbacks return at once. Dropped items are counted.
 template <class T>

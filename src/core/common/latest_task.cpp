@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "semantic_vslam/core/common/thread_priority.h"
+
 namespace semantic_vslam {
 
 LatestTask::~LatestTask() {
@@ -42,6 +44,7 @@ void LatestTask::wait() {
 }
 
 void LatestTask::run() {
+  yieldToFrames();
   std::unique_lock<std::mutex> lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return closed_ || next_; });

@@ -114,6 +114,11 @@ std::string toJson(const RunReport& r) {
   write(json, "frames_in_state", r.frames_in_state);
   json.field("skipped_broken", r.skipped_broken);
   json.field("dropped_late", r.dropped_late);
+  if (r.latency_ms.empty()) {
+    json.null("latency_ms");
+  } else {
+    write(json, "latency_ms", quantilesOf(r.latency_ms));
+  }
   json.field("cloud_points", r.cloud_points);
   json.field("voxels", r.voxels);
   json.field("wall_s", r.wall_s);
@@ -145,6 +150,11 @@ std::string toText(const RunReport& r) {
   }
   if (r.mask.frames() > 0) {
     text += format("mask IoU %.3f, precision %.3f, recall %.3f\n", r.mask.iou(), r.mask.precision(), r.mask.recall());
+  }
+  if (!r.latency_ms.empty()) {
+    const TimeQuantiles latency = quantilesOf(r.latency_ms);
+    text += format("real time: %zu frames dropped; pose after %.0f ms (median), %.0f (p95), %.0f (worst)\n",
+                   r.dropped_late, latency.median_ms, latency.p95_ms, latency.worst_ms);
   }
   text += format("%-20s %7s %12s %9s %9s\n", "stage", "count", "cpu ms: med", "p95", "worst");
   for (const StageSummary& stage : r.stages) {

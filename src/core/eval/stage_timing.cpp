@@ -23,10 +23,6 @@ double threadCpuMs() {
   return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
-TimeQuantiles quantilesOf(const std::vector<double>& values_ms) {
-  return {quantile(values_ms, 0.5), quantile(values_ms, 0.95), *std::max_element(values_ms.begin(), values_ms.end())};
-}
-
 }  // namespace
 
 StageTimes::Scope::Scope(StageTimes& times, std::string stage, std::uint64_t frame)
@@ -84,6 +80,10 @@ void StageTimes::writeCsv(const std::string& path) const {
     out << time.stage << ',' << time.frame << ',' << time.wall_ms << ',' << time.cpu_ms << '\n';
   }
   writeTextAtomically(path, out.str());
+}
+
+TimeQuantiles quantilesOf(const std::vector<double>& values_ms) {
+  return {quantile(values_ms, 0.5), quantile(values_ms, 0.95), *std::max_element(values_ms.begin(), values_ms.end())};
 }
 
 double quantile(std::vector<double> values, double q) {

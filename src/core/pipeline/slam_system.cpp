@@ -7,6 +7,7 @@
 
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/log.h"
+#include "semantic_vslam/core/common/thread_priority.h"
 #include "semantic_vslam/core/segmentation/dynamic_objects.h"
 
 namespace semantic_vslam {
@@ -17,6 +18,10 @@ constexpr std::size_t kKeyframeJobs = 16;
 
 // Keyframes of a new map wait here until it is joined with the old one: 3.3 MB each at 640x480.
 constexpr std::size_t kMaxWaiting = 32;
+
+// While there is no map, labels are carried on by the motion stage for this long before a frame is segmented anew: k2
+// follows k1 at once, and where it does not fit people have moved on after half a second.
+constexpr double kFirstLabelsHoldS = 0.5;
 
 cv::Mat1b unite(const cv::Mat1b& dynamic, const cv::Mat1b& removal) {
   return removal.empty() ? dynamic : cv::Mat1b(cv::max(dynamic, removal));
@@ -48,26 +53,26 @@ SlamSystem::~SlamSystem() {
 }
 
 StepResult SlamSystem::step(const RgbdFrame& frame) {
-  StepResult result;
+  std::optional<ObservedFrame> observed = observe(frame);
+  return observed ? track(std::move(*observed)) : StepResult();
+}
+
+std::optional<ObservedFrame> SlamSystem::observe(const RgbdFrame& frame) {
   if (last_stamp_ && frame.stamp <= *last_stamp_) {
     logWarning("frame " + std::to_string(frame.index) + " is not newer than the one before it: passed over");
-    return result;
+    return std::nullopt;
   }
   last_stamp_ = frame.stamp;
+  auto timer = times_.scope("motion", frame.index);
+  takeLateLabels(frame.stamp);
+  return ObservedFrame{frame, motion_.detect(frame)};
+}
 
-  // Motion: what the camera's own motion does not explain, and the people of labels that have arrived by now.
-  {
-    auto timer = times_.scope("motion", frame.index);
-    takeLateLabels(frame.stamp);
-    result.motion = motion_.detect(frame);
-  }
-
-  // Segmentation before tracking only while there is no map: k1 must hold no people.
-  KeyframeJob job{KeyframeId(), frame, result.motion.dynamic, result.motion.moving, cv::Mat1b()};
-  if (slam_.keyframeCount() == 0 && segmentation_.enabled()) {
-    auto timer = times_.scope("segmentation", frame.index);
-    job.labels = segmentation_.process(frame);
-  }
+StepResult SlamSystem::track(ObservedFrame observed) {
+  StepResult result;
+  const RgbdFrame& frame = observed.frame;
+  result.motion = std::move(observed.motion);
+  KeyframeJob job{KeyframeId(), frame, result.motion.dynamic, result.motion.moving, segmentFirst(frame)};
   job.dynamic = result.dynamic = unite(result.motion.dynamic, removalMask(job.labels, job.moving));
 
   // Pose, and whether the frame becomes a keyframe.
@@ -79,6 +84,24 @@ StepResult SlamSystem::step(const RgbdFrame& frame) {
 
   passOn(step, std::move(job));
   return result;
+}
+
+cv::Mat1b SlamSystem::segmentFirst(const RgbdFrame& frame) {
+  if (slam_.keyframeCount() > 0 || !segmentation_.enabled()) return {};
+  const bool carried = first_labels_ && secondsBetween(*first_labels_, frame.stamp) < kFirstLabelsHoldS;
+  if (carried) return {};
+  first_labels_ = frame.stamp;
+  return segment(frame);
+}
+
+cv::Mat1b SlamSystem::segment(const RgbdFrame& frame) {
+  auto timer = times_.scope("segmentation", frame.index);
+  const cv::Mat1b labels = segmentation_.process(frame);
+  if (!labels.empty()) {
+    std::lock_guard<std::mutex> lock(late_mutex_);
+    late_labels_.push_back({frame.stamp, labels});
+  }
+  return labels;
 }
 
 void SlamSystem::takeLateLabels(Stamp now) {
@@ -122,13 +145,8 @@ void SlamSystem::submit(KeyframeJob job) {
 
 void SlamSystem::mapKeyframe(KeyframeJob job) {
   if (job.labels.empty() && segmentation_.enabled()) {
-    auto timer = times_.scope("segmentation", job.frame.index);
-    job.labels = segmentation_.process(job.frame);
-  }
-  if (!job.labels.empty()) {
+    job.labels = segment(job.frame);
     job.dynamic = unite(job.dynamic, removalMask(job.labels, job.moving));
-    std::lock_guard<std::mutex> lock(late_mutex_);
-    late_labels_.push_back({job.frame.stamp, job.labels});
   }
   if (!config_.dense.enabled) return;
   auto timer = times_.scope("dense_mapping", job.frame.index);
@@ -154,6 +172,7 @@ void SlamSystem::mapPlaced() {
 }
 
 void SlamSystem::work() {
+  yieldToFrames();
   while (auto job = keyframe_jobs_.pop()) {
     mapKeyframe(std::move(*job));
     --pending_;

@@ -6,6 +6,7 @@
 
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/log.h"
+#include "semantic_vslam/core/common/thread_priority.h"
 #include "semantic_vslam/core/io/map_file.h"
 
 namespace semantic_vslam {
@@ -206,6 +207,7 @@ void SparseSlam::startAdjustingAll(const Upkeep& upkeep) {
 }
 
 void SparseSlam::work() {
+  yieldToFrames();
   while (const auto upkeep = queue_.pop()) {
     maintain(*upkeep);
     std::lock_guard<std::mutex> lock(shared_.mutex);

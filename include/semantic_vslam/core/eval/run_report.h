@@ -29,6 +29,7 @@ struct RunReport {
   std::size_t frames = 0;          ///< given to the system
   std::size_t skipped_broken = 0;  ///< unreadable in the recording
   std::size_t dropped_late = 0;    ///< passed over to keep real time
+  std::vector<double> latency_ms;  ///< from a frame's time to its pose, one a frame given; empty if not in real time
   std::size_t posed = 0;           ///< frames with a pose in the trajectory
   std::size_t keyframes = 0, landmarks = 0;
   std::map<std::string, std::size_t> frames_in_state;

@@ -72,5 +72,7 @@ class StageTimes {
 
 /// Linear interpolation between order statistics. @param values need not be sorted; not empty. @param q in [0, 1].
 double quantile(std::vector<double> values, double q);
+/// @param values_ms  not empty
+TimeQuantiles quantilesOf(const std::vector<double>& values_ms);
 
 }  // namespace semantic_vslam

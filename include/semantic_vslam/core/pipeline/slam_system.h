@@ -30,8 +30,14 @@ struct StepResult {
   cv::Mat1b dynamic;  ///< what tracking was told: motion, and people of the first frames' labels; 0..255
 };
 
-/// The whole way of a frame, read from top to bottom in step(): motion, segmentation where tracking cannot do without,
-/// pose, and for a keyframe labels, removal of what moves, and the dense map.
+/// A frame and what moves in it.
+struct ObservedFrame {
+  RgbdFrame frame;
+  MotionResult motion;
+};
+
+/// The whole way of a frame: observe() finds what moves, track() segments k1, finds the pose and, for a keyframe, its
+/// labels, removes what moves and maps the rest.
 class SlamSystem {
  public:
   /// kSynchronous: everything within step(), the same bytes out for the same bytes in. kBackground: map upkeep on one
@@ -46,8 +52,16 @@ class SlamSystem {
   SlamSystem(const SlamSystem&) = delete;
   SlamSystem& operator=(const SlamSystem&) = delete;
 
+  /// observe() and track().
   /// @param frame  stamps must grow; a frame whose stamp does not is passed over with a warning
   StepResult step(const RgbdFrame& frame);
+  /// First half of a step: motion that the camera's own does not explain, and the people of labels that have arrived.
+  /// Asks nothing of track(), so that one thread may observe while another tracks the frame before.
+  /// @return nothing for a frame that is passed over
+  std::optional<ObservedFrame> observe(const RgbdFrame& frame);
+  /// Second half, of the observed frames in their order. While there is no map it segments k1, which must hold no
+  /// people; the motion stage carries these labels on to the frames after it.
+  StepResult track(ObservedFrame observed);
 
   /// Waits for the workers and brings the dense map to the keyframes' last poses. Call before reading results; no
   /// step() after it.
@@ -77,6 +91,10 @@ class SlamSystem {
   SlamSystem(const SystemConfig& config, Mode mode, SegmentationStage segmentation);
 
   void takeLateLabels(Stamp now);
+  /// Labels of a frame that may become k1; empty if there is a map, or labels just before it that are carried on.
+  cv::Mat1b segmentFirst(const RgbdFrame& frame);
+  /// Labels of a frame, for the motion stage too.
+  cv::Mat1b segment(const RgbdFrame& frame);
   /// People and moving objects of the labels, 255; empty without labels.
   cv::Mat1b removalMask(const cv::Mat1b& labels, const cv::Mat1b& moving) const;
   void passOn(const SparseStep& step, KeyframeJob job);
@@ -89,12 +107,13 @@ class SlamSystem {
   const SystemConfig config_;
   const Mode mode_;
   StageTimes times_;
-  MotionDetector motion_;
-  SegmentationStage segmentation_;  // used by step() until initialised, then by the worker
+  MotionDetector motion_;           // used by observe()
+  SegmentationStage segmentation_;  // used by track() until initialised, then by the worker
   SparseSlam slam_;
-  DenseMapper dense_;                // used by the worker
-  std::deque<KeyframeJob> waiting_;  // used by the worker
-  std::optional<Stamp> last_stamp_;
+  DenseMapper dense_;                     // used by the worker
+  std::deque<KeyframeJob> waiting_;       // used by the worker
+  std::optional<Stamp> last_stamp_;       // used by observe()
+  std::optional<Stamp> first_labels_;     ///< of the newest frame segmented while there was no map
   std::optional<KeyframeJob> candidate_;  ///< k1, until initialisation has made it the first keyframe
 
   std::mutex late_mutex_;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/worker.h"
+#include "semantic_vslam/core/common/thread_priority.h"
 
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -9,8 +9,8 @@
 namespace semantic_vslam {
 
 void yieldToFrames() {
-  // Each step of nice takes a fifth of a thread's share: 5 leave it a third against one that works on frames.
-  constexpr int kNice = 5;
+  // Each step of nice takes a fifth of a thread's share: 10 leave it a tenth against one that works on frames.
+  constexpr int kNice = 10;
   const auto thread = static_cast<id_t>(syscall(SYS_gettid));  // Linux counts nice by thread
   setpriority(PRIO_PROCESS, thread, kNice + getpriority(PRIO_PROCESS, thread));
 }

@@ -39,90 +39,107 @@ struct NoiseModel {
   double depth_sigma_at_1m_m;
 };
 
-/// Residual of one point in standard deviations: two of flow, one of depth (0 where unmeasured).
-struct Residual {
-  Eigen::Vector3d moved;
-  double u, v, z, sigma_z;
+/// The points one coordinate after the other, so that the loops over them take four at a time.
+struct PointColumns {
+  explicit PointColumns(const std::vector<FlowPoint>& points, std::size_t stride = 1) {
+    const auto count = static_cast<Eigen::Index>((points.size() + stride - 1) / stride);
+    for (auto* column : {&x, &y, &z, &ray_x, &ray_y, &depth_previous_m, &weight}) column->resize(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const FlowPoint& point = points[static_cast<std::size_t>(i) * stride];
+      x[i] = point.point_current.x();
+      y[i] = point.point_current.y();
+      z[i] = point.point_current.z();
+      ray_x[i] = point.ray_previous.x();
+      ray_y[i] = point.ray_previous.y();
+      depth_previous_m[i] = point.depth_previous_m;
+      weight[i] = point.weight;
+    }
+  }
+
+  Eigen::ArrayXf x, y, z, ray_x, ray_y, depth_previous_m, weight;
 };
 
-Residual residualOf(const FlowPoint& point, const Eigen::Matrix3d& R, const Eigen::Vector3d& t,
-                    const NoiseModel& noise) {
-  Residual r;
-  r.moved = R * point.point_current.cast<double>() + t;
-  const double inverse_z = 1.0 / std::max(r.moved.z(), 1e-3);
-  r.u = (r.moved.x() * inverse_z - point.ray_previous.x()) / noise.flow_sigma;
-  r.v = (r.moved.y() * inverse_z - point.ray_previous.y()) / noise.flow_sigma;
-  constexpr double kOfTwoDepths = 1.4142135623730951;
-  r.sigma_z = kOfTwoDepths * noise.depth_sigma_at_1m_m * std::max(r.moved.z() * r.moved.z(), 0.25);
-  r.z = point.depth_previous_m > 0.0F ? (r.moved.z() - point.depth_previous_m) / r.sigma_z : 0.0;
-  return r;
-}
+/// Residuals in standard deviations: two of flow, one of depth (0 where unmeasured).
+struct Residuals {
+  Residuals(const PointColumns& points, const SE3& T, const NoiseModel& noise) {
+    const Eigen::Matrix3f R = T.linear().cast<float>();
+    const Eigen::Vector3f t = T.translation().cast<float>();
+    const auto coordinate = [&](int axis) {
+      return R(axis, 0) * points.x + R(axis, 1) * points.y + R(axis, 2) * points.z + t[axis];
+    };
+    constexpr float kOfTwoDepths = 1.41421356F;
+    const auto per_flow_sigma = static_cast<float>(1.0 / noise.flow_sigma);
+    const float depth_sigma = kOfTwoDepths * static_cast<float>(noise.depth_sigma_at_1m_m);
+    x = coordinate(0);
+    y = coordinate(1);
+    z = coordinate(2);
+    inverse_z = z.max(1e-3F).inverse();
+    u = (x * inverse_z - points.ray_x) * per_flow_sigma;
+    v = (y * inverse_z - points.ray_y) * per_flow_sigma;
+    per_depth_sigma = (depth_sigma * z.square().max(0.25F)).inverse();
+    per_depth_sigma = (points.depth_previous_m > 0.0F).select(per_depth_sigma, 0.0F);
+    d = (z - points.depth_previous_m) * per_depth_sigma;
+  }
+  Eigen::ArrayXf flowSquared() const { return u.square() + v.square(); }
 
-double gemanMcClure(double squared, double scale_squared) {
-  const double q = scale_squared / (scale_squared + squared);
-  return q * q;
+  Eigen::ArrayXf x, y, z, inverse_z;  ///< where the points were, metres
+  Eigen::ArrayXf u, v, d;
+  Eigen::ArrayXf per_depth_sigma;  ///< 1/m; 0 where unmeasured
+};
+
+/// @param squared  of the residual  @return weights, 1 for none
+Eigen::ArrayXf gemanMcClure(const Eigen::ArrayXf& squared, float scale_squared) {
+  return (scale_squared / (scale_squared + squared)).square();
 }
 
 /// Share of the weight that a motion explains; each point counts less the farther it is from it.
-double explainedShare(const std::vector<FlowPoint>& points, const SE3& T, const NoiseModel& noise, std::size_t stride) {
-  const Eigen::Matrix3d R = T.linear();
-  const Eigen::Vector3d t = T.translation();
-  double explained = 0.0, total = 1e-9;
-  for (std::size_t i = 0; i < points.size(); i += stride) {
-    const Residual r = residualOf(points[i], R, t, noise);
-    const double squared = (r.u * r.u + r.v * r.v + r.z * r.z) / (kInlierSigmas * kInlierSigmas);
-    total += points[i].weight;
-    if (squared < 1.0) explained += points[i].weight * (1.0 - squared);
-  }
-  return explained / total;
+double explainedShare(const PointColumns& points, const SE3& T, const NoiseModel& noise) {
+  const Residuals r(points, T, noise);
+  constexpr auto kBound = static_cast<float>(kInlierSigmas * kInlierSigmas);
+  const Eigen::ArrayXf near = (1.0F - (r.flowSquared() + r.d.square()) / kBound).max(0.0F);
+  return (points.weight * near).sum() / (points.weight.sum() + 1e-9F);
 }
 
 struct NormalEquations {
   Matrix6d H = Matrix6d::Zero();
   Vector6d b = Vector6d::Zero();
-
-  void add(const Vector6d& J, double residual, double weight) {
-    H.noalias() += (weight * J) * J.transpose();
-    b.noalias() -= (weight * residual) * J;
-  }
 };
 
-NormalEquations linearise(const std::vector<FlowPoint>& points, const SE3& T, const NoiseModel& noise, double widening,
-                          std::size_t stride) {
-  const Eigen::Matrix3d R = T.linear();
-  const Eigen::Vector3d t = T.translation();
-  const double scale_squared = std::pow(kInlierSigmas * widening, 2);
+NormalEquations linearise(const PointColumns& points, const SE3& T, const NoiseModel& noise, double widening) {
+  const Residuals r(points, T, noise);
+  const auto scale_squared = static_cast<float>(kInlierSigmas * kInlierSigmas * widening * widening);
+  const Eigen::ArrayXf weight = points.weight * gemanMcClure(r.flowSquared(), scale_squared);
+  const Eigen::ArrayXf root = weight.sqrt();
+  const Eigen::ArrayXf depth_root = (weight * gemanMcClure(r.d.square(), scale_squared)).sqrt();
+  const Eigen::ArrayXf k = root * r.inverse_z * static_cast<float>(1.0 / noise.flow_sigma);
+  const Eigen::ArrayXf a = r.x * r.inverse_z, c = r.y * r.inverse_z, z = r.z.max(1e-3F);
+  const Eigen::ArrayXf q = depth_root * r.per_depth_sigma;
+  const Eigen::Index n = points.x.size();
+  // d(x/z, y/z, z) / d(translation, rotation) of a left perturbation, weighted: u, then v, then depth.
+  Eigen::Matrix<float, Eigen::Dynamic, 6> J(3 * n, 6);
+  Eigen::VectorXf e(3 * n);
+  J.topRows(n) << k, Eigen::ArrayXf::Zero(n), -k * a, -k * a * r.y, k * (z + a * r.x), -k * r.y;
+  J.middleRows(n, n) << Eigen::ArrayXf::Zero(n), k, -k * c, -k * (z + c * r.y), k * c * r.x, k * r.x;
+  J.bottomRows(n) << Eigen::ArrayXf::Zero(n), Eigen::ArrayXf::Zero(n), q, q * r.y, -q * r.x, Eigen::ArrayXf::Zero(n);
+  e << root * r.u, root * r.v, depth_root * r.d;
   NormalEquations normal;
-  for (std::size_t i = 0; i < points.size(); i += stride) {
-    const FlowPoint& point = points[i];
-    const Residual r = residualOf(point, R, t, noise);
-    const double weight = point.weight * gemanMcClure(r.u * r.u + r.v * r.v, scale_squared);
-    const double x = r.moved.x(), y = r.moved.y(), z = std::max(r.moved.z(), 1e-3);
-    const double k = 1.0 / (z * noise.flow_sigma), a = x / z, c = y / z;
-    // d(x/z, y/z) / d(translation, rotation) of a left perturbation.
-    Vector6d J;
-    J << k, 0.0, -k * a, -k * a * y, k * (z + a * x), -k * y;
-    normal.add(J, r.u, weight);
-    J << 0.0, k, -k * c, -k * (z + c * y), k * c * x, k * x;
-    normal.add(J, r.v, weight);
-    if (point.depth_previous_m > 0.0F) {
-      J << 0.0, 0.0, 1.0, y, -x, 0.0;
-      normal.add(J / r.sigma_z, r.z, weight * gemanMcClure(r.z * r.z, scale_squared));
-    }
+  for (int row = 0; row < 6; ++row) {
+    for (int col = 0; col <= row; ++col) normal.H(row, col) = normal.H(col, row) = J.col(row).dot(J.col(col));
+    normal.b[row] = -J.col(row).dot(e);
   }
   return normal;
 }
 
 template <std::size_t kSteps>
-SE3 refine(const std::vector<FlowPoint>& points, const SE3& start, const SE3& predicted, const NoiseModel& noise,
-           const double (&widenings)[kSteps], NormalEquations& last) {
+SE3 refine(const PointColumns& points, const PointColumns& half, const SE3& start, const SE3& predicted,
+           const NoiseModel& noise, const double (&widenings)[kSteps], NormalEquations& last) {
   Vector6d prior;
   prior << Eigen::Vector3d::Constant(1.0 / (kPriorTranslationM * kPriorTranslationM)),
       Eigen::Vector3d::Constant(1.0 / (kPriorRotationRad * kPriorRotationRad));
   SE3 T = start;
   for (const double widening : widenings) {
     // On the way, half of the points do.
-    last = linearise(points, T, noise, widening, widening > kHalfFrom ? 2 : 1);
+    last = linearise(widening > kHalfFrom ? half : points, T, noise, widening);
     const Vector6d deviation = se3Log(T * predicted.inverse());
     last.H.diagonal() += prior;
     last.b -= prior.cwiseProduct(deviation);
@@ -161,13 +178,13 @@ SE3 drawStart(const std::vector<FlowPoint>& points, const NoiseModel& noise) {
   Rng rng(7);
   // Three noisy points give a rough motion only: score it with wide noise, the refinement narrows it.
   const NoiseModel wide{4.0 * noise.flow_sigma, 4.0 * noise.depth_sigma_at_1m_m};
-  const std::size_t stride = std::max<std::size_t>(1, points.size() / kScoredPoints);
+  const PointColumns scored(points, std::max<std::size_t>(1, points.size() / kScoredPoints));
   double best_share = -1.0;
   for (int draw = 0; draw < kRansacDraws; ++draw) {
     const SE3 T =
         alignThree({pool[rng.below(pool.size())], pool[rng.below(pool.size())], pool[rng.below(pool.size())]});
     if (!T.matrix().allFinite()) continue;
-    const double share = explainedShare(points, T, wide, stride);
+    const double share = explainedShare(scored, T, wide);
     if (share > best_share) {
       best_share = share;
       best = T;
@@ -177,16 +194,13 @@ SE3 drawStart(const std::vector<FlowPoint>& points, const NoiseModel& noise) {
 }
 
 /// Median over the inliers of the flow residual's size, scaled to a standard deviation per axis.
-double measureFlowSigma(const std::vector<FlowPoint>& points, const SE3& T, const NoiseModel& noise) {
-  const Eigen::Matrix3d R = T.linear();
-  const Eigen::Vector3d t = T.translation();
-  std::vector<double> sizes;
-  sizes.reserve(points.size());
-  for (const FlowPoint& point : points) {
-    if (point.weight < 0.2F) continue;
-    const Residual r = residualOf(point, R, t, noise);
-    const double squared = r.u * r.u + r.v * r.v;
-    if (squared < 4.0 * kInlierSigmas * kInlierSigmas) sizes.push_back(squared);
+double measureFlowSigma(const PointColumns& points, const SE3& T, const NoiseModel& noise) {
+  const Eigen::ArrayXf squared = Residuals(points, T, noise).flowSquared();
+  std::vector<float> sizes;
+  sizes.reserve(static_cast<std::size_t>(squared.size()));
+  for (Eigen::Index i = 0; i < squared.size(); ++i) {
+    const bool counts = points.weight[i] >= 0.2F && squared[i] < 4.0 * kInlierSigmas * kInlierSigmas;
+    if (counts) sizes.push_back(squared[i]);
   }
   if (sizes.empty()) return noise.flow_sigma;
   std::nth_element(sizes.begin(), sizes.begin() + sizes.size() / 2, sizes.end());
@@ -241,13 +255,14 @@ CameraMotion estimateCameraMotion(const std::vector<FlowPoint>& points, const Wo
   const double focal_px = 2.0 * grid.focalCells();  // of the image the flow is computed on
   NoiseModel noise{config.flow_sigma_px / focal_px, config.depth_sigma_at_1m_m};
 
+  const PointColumns all(points), half(points, 2);
   NormalEquations normal;
-  SE3 best = refine(points, T_previous_current_predicted, T_previous_current_predicted, noise, kWidening, normal);
-  double share = explainedShare(points, best, noise, 1);
+  SE3 best = refine(all, half, T_previous_current_predicted, T_previous_current_predicted, noise, kWidening, normal);
+  double share = explainedShare(all, best, noise);
   const auto consider = [&](const SE3& start, double factor) {
     NormalEquations other_normal;
-    const SE3 other = refine(points, start, T_previous_current_predicted, noise, kWidening, other_normal);
-    const double other_share = explainedShare(points, other, noise, 1);
+    const SE3 other = refine(all, half, start, T_previous_current_predicted, noise, kWidening, other_normal);
+    const double other_share = explainedShare(all, other, noise);
     if (other_share <= factor * share) return;
     best = other;
     share = other_share;
@@ -255,23 +270,18 @@ CameraMotion estimateCameraMotion(const std::vector<FlowPoint>& points, const Wo
   };
   // Blurred images spread the flow of a good motion: no reason to look for another.
   const NoiseModel blurred{2.0 * noise.flow_sigma, noise.depth_sigma_at_1m_m};
-  if (share < kGoodShare && explainedShare(points, best, blurred, 1) < kGoodShare) {
+  if (share < kGoodShare && explainedShare(all, best, blurred) < kGoodShare) {
     consider(SE3::Identity(), 1.0);
     if (share < kGoodShare) consider(drawStart(points, noise), kClearlyMore);
   }
   // Blur, exposure and depth that lags behind colour widen the flow's spread: this frame's own is what residuals mean.
-  noise.flow_sigma = std::max(measureFlowSigma(points, best, noise), noise.flow_sigma);
-  best = refine(points, best, T_previous_current_predicted, noise, kNarrow, normal);
-  double weight = 1e-9, inlier_weight = 0.0;
-  for (const FlowPoint& point : points) {
-    const Residual r = residualOf(point, best.linear(), best.translation(), noise);
-    const bool inlier = r.u * r.u + r.v * r.v < kInlierSigmas * kInlierSigmas;
-    weight += point.weight;
-    inlier_weight += inlier ? point.weight : 0.0F;
-    motion.inliers += inlier ? 1 : 0;
-  }
+  noise.flow_sigma = std::max(measureFlowSigma(all, best, noise), noise.flow_sigma);
+  best = refine(all, half, best, T_previous_current_predicted, noise, kNarrow, normal);
+  constexpr auto kBound = static_cast<float>(kInlierSigmas * kInlierSigmas);
+  const auto inliers = (Residuals(all, best, noise).flowSquared() < kBound).eval();
+  motion.inliers = static_cast<int>(inliers.count());
   motion.T_previous_current = best;
-  motion.inlier_share = inlier_weight / weight;
+  motion.inlier_share = inliers.select(all.weight, 0.0F).sum() / (all.weight.sum() + 1e-9F);
   motion.flow_sigma_px = noise.flow_sigma * focal_px * 0.5 * grid.cellPx();
   const Matrix6d covariance = normal.H.ldlt().solve(Matrix6d::Identity());
   motion.translation_sigma_m = std::sqrt(covariance.diagonal().head<3>().maxCoeff());

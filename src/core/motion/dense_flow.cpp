@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/motion/dense_flow.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace semantic_vslam {
@@ -15,7 +16,10 @@ int presetOf(const std::string& name) {
 
 }  // namespace
 
-DenseFlow::DenseFlow(const DenseFlowConfig& config) : flow_(cv::DISOpticalFlow::create(presetOf(config.preset))) {}
+DenseFlow::DenseFlow(const DenseFlowConfig& config) : flow_(cv::DISOpticalFlow::create(presetOf(config.preset))) {
+  // The presets' finest level is meant for images twice as large, and would be half of what the cells can hold.
+  flow_->setFinestScale(std::max(0, flow_->getFinestScale() - 1));
+}
 
 cv::Mat2f DenseFlow::compute(const cv::Mat1b& previous, const cv::Mat1b& current) {
   // From current to previous, so that the field lies on the current image; the sign is turned on return. A fresh output

@@ -49,16 +49,33 @@ cv::v_float32x4 blend(const cv::v_float32x4& here, const cv::v_float32x4& before
   return here * cv::v_setall_f32(1.0F - a) + before * cv::v_setall_f32(a);
 }
 
-void passRow(float* row, const float* a, int cols) {
-  cv::v_float32x4 mean = cv::v_load(row);
-  for (int x = 1; x < cols; ++x) {
-    mean = blend(cv::v_load(row + 4 * x), mean, a[x]);
-    cv::v_store(row + 4 * x, mean);
+/// Forth and back along kRows rows from y on. Each step waits for the one before it, so rows are taken side by side.
+template <int kRows>
+void passRows(cv::Mat4f& channels, const cv::Mat1f& feedback_x, int y) {
+  const int cols = channels.cols;
+  float* row[kRows];
+  const float* a[kRows];
+  cv::v_float32x4 mean[kRows];
+  for (int i = 0; i < kRows; ++i) {
+    row[i] = channels.ptr<float>(y + i);
+    a[i] = feedback_x[y + i];
+    mean[i] = cv::v_load(row[i]);
   }
-  for (int x = cols - 2; x >= 0; --x) {
-    mean = blend(cv::v_load(row + 4 * x), mean, a[x + 1]);
-    cv::v_store(row + 4 * x, mean);
-  }
+  const auto step = [&](int x, int link) {
+    for (int i = 0; i < kRows; ++i) {
+      mean[i] = blend(cv::v_load(row[i] + 4 * x), mean[i], a[i][link]);
+      cv::v_store(row[i] + 4 * x, mean[i]);
+    }
+  };
+  for (int x = 1; x < cols; ++x) step(x, x);
+  for (int x = cols - 2; x >= 0; --x) step(x, x + 1);
+}
+
+void passAlongRows(cv::Mat4f& channels, const cv::Mat1f& feedback_x) {
+  constexpr int kTogether = 4;
+  int y = 0;
+  for (; y + kTogether <= channels.rows; y += kTogether) passRows<kTogether>(channels, feedback_x, y);
+  for (; y < channels.rows; ++y) passRows<1>(channels, feedback_x, y);
 }
 
 void passBetweenRows(const float* from, float* to, const float* a, int cols) {
@@ -73,7 +90,7 @@ void filterAlongDepth(cv::Mat4f& channels, const cv::Mat1f& depth_m, float reach
   const Coefficients a = coefficients(depth_m, reach_cells);
   const auto row = [&channels](int y) { return channels.ptr<float>(y); };
   for (int pass = 0; pass < kPasses; ++pass) {
-    for (int y = 0; y < channels.rows; ++y) passRow(row(y), a.x[y], channels.cols);
+    passAlongRows(channels, a.x);
     for (int y = 1; y < channels.rows; ++y) passBetweenRows(row(y - 1), row(y), a.y[y], channels.cols);
     for (int y = channels.rows - 2; y >= 0; --y) passBetweenRows(row(y + 1), row(y), a.y[y + 1], channels.cols);
   }

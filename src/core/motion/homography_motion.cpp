@@ -71,7 +71,9 @@ cv::Mat1b warpPrevious(const GridFrame& previous, const GridFrame& current, cons
   cv::Mat1b warped = current.gray.clone();
   cv::warpPerspective(previous.gray, warped, gray_from_cell * motion.H_current_previous * cell_from_gray, warped.size(),
                       cv::INTER_LINEAR, cv::BORDER_TRANSPARENT);
-  return warped;
+  cv::Mat1b cells;
+  cv::resize(warped, cells, current.cell_gray.size(), 0, 0, cv::INTER_AREA);
+  return cells;
 }
 
 cv::Mat2f homographyFlow(const HomographyMotion& motion, cv::Size grid_size) {

@@ -27,14 +27,6 @@ MotionConfig validated(const MotionConfig& config) {
   return config;
 }
 
-/// Flow of the gray image (two pixels a cell) to flow of the cells.
-cv::Mat2f reduceToCells(const cv::Mat2f& flow, cv::Size size) {
-  cv::Mat2f cells;
-  cv::resize(flow, cells, size, 0, 0, cv::INTER_AREA);
-  cells *= 0.5;
-  return cells;
-}
-
 /// @param semantic  NaN = unknown
 void raiseTo(const cv::Mat1f& semantic, cv::Mat1f& dynamic) {
   for (int y = 0; y < dynamic.rows; ++y) {
@@ -125,7 +117,7 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
     return first;
   }
   const GridFrame current = makeGridFrame(frame, *grid_);
-  const cv::Mat2f flow_cells = reduceToCells(dense_flow_.compute(previous_.gray, current.gray), grid_->size());
+  const cv::Mat2f flow_cells = dense_flow_.compute(previous_.cell_gray, current.cell_gray);
   const cv::Mat2f source = traceBack(flow_cells, previous_.depth_m, current.depth_m, dt_s);
   propagation_.addFrame(frame.stamp, grid_->size(), source);
   const cv::Mat1f semantic = propagation_.dynamicNow();
@@ -151,7 +143,7 @@ cv::Mat1f MotionDetector::staticWeight(const cv::Mat2f& source, const cv::Mat1f&
   constexpr float kNewCell = 0.3F;  // what comes into view may be anything
   cv::Mat1f dynamic = carryAlong(dynamic_probability_, source, kNewCell);
   if (!semantic.empty()) raiseTo(semantic, dynamic);
-  for (float& value : dynamic) value = std::max(kLeastTrust, (1.0F - value) * (1.0F - value));
+  changeCells(dynamic, [](float value) { return std::max(kLeastTrust, (1.0F - value) * (1.0F - value)); });
   return dynamic;
 }
 
@@ -160,8 +152,7 @@ MotionDetector::Estimate MotionDetector::explainByHomography(const GridFrame& cu
   Estimate estimate;
   const HomographyMotion motion = estimateHomography(current, flow_cells, static_weight, *grid_, config_.homography);
   if (!motion.valid) return estimate;
-  const cv::Mat1b warped = warpPrevious(previous_, current, motion);
-  const cv::Mat2f residual = reduceToCells(dense_flow_.compute(warped, current.gray), grid_->size());
+  const cv::Mat2f residual = dense_flow_.compute(warpPrevious(previous_, current, motion), current.cell_gray);
   estimate.model = MotionModel::kHomography;
   estimate.inliers = motion.inliers;
   estimate.residual_px = flowAmplitude(residual) * grid_->cellPx();  // eq. (1)
@@ -225,11 +216,15 @@ MotionResult MotionDetector::compose(const Estimate& estimate, const cv::Mat2f& 
   dynamic_probability_ = movingProbability(estimate.moving, estimate.log_odds, grid_->size());
   cv::Mat1b dynamic, moving;
   dynamic_probability_.convertTo(moving, CV_8U, 255.0);
-  if (!semantic.empty()) addMasks(semantic, estimate.log_odds, dynamic_probability_);
-  dynamic_probability_.convertTo(dynamic, CV_8U, 255.0);
   MotionResult result;
-  cv::resize(dynamic, result.dynamic, full_size, 0, 0, cv::INTER_LINEAR);
   cv::resize(moving, result.moving, full_size, 0, 0, cv::INTER_LINEAR);
+  if (semantic.empty()) {
+    result.dynamic = result.moving;
+  } else {
+    addMasks(semantic, estimate.log_odds, dynamic_probability_);
+    dynamic_probability_.convertTo(dynamic, CV_8U, 255.0);
+    cv::resize(dynamic, result.dynamic, full_size, 0, 0, cv::INTER_LINEAR);
+  }
   result.flow_px = flow_cells * grid_->cellPx();
   result.residual_px = estimate.residual_px;
   result.model = estimate.model;

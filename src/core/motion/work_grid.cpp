@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 namespace semantic_vslam {
 namespace {
@@ -19,35 +20,34 @@ cv::Mat1f sampleDepth(const cv::Mat1f& depth_m, cv::Size size) {
   cv::Mat1f sampled(size);
   const float step_x = static_cast<float>(depth_m.cols) / static_cast<float>(size.width);
   const float step_y = static_cast<float>(depth_m.rows) / static_cast<float>(size.height);
+  const auto pixel = [](int cell, float part, float step, int count) {
+    return std::min(static_cast<int>((static_cast<float>(cell) + part) * step), count - 1);
+  };
+  std::vector<int> left(size.width), right(size.width);
+  for (int x = 0; x < size.width; ++x) {
+    left[x] = pixel(x, 0.25F, step_x, depth_m.cols);
+    right[x] = pixel(x, 0.75F, step_x, depth_m.cols);
+  }
   for (int y = 0; y < size.height; ++y) {
-    const int top = static_cast<int>((static_cast<float>(y) + 0.25F) * step_y);
-    const int bottom = std::min(static_cast<int>((static_cast<float>(y) + 0.75F) * step_y), depth_m.rows - 1);
-    const float* rows[2] = {depth_m[top], depth_m[bottom]};
+    const float* top = depth_m[pixel(y, 0.25F, step_y, depth_m.rows)];
+    const float* bottom = depth_m[pixel(y, 0.75F, step_y, depth_m.rows)];
     float* out = sampled[y];
     for (int x = 0; x < size.width; ++x) {
-      const int left = static_cast<int>((static_cast<float>(x) + 0.25F) * step_x);
-      const int right = std::min(static_cast<int>((static_cast<float>(x) + 0.75F) * step_x), depth_m.cols - 1);
-      const float candidates[4] = {rows[1][right], rows[0][left], rows[0][right], rows[1][left]};
-      out[x] = 0.0F;
-      for (const float z : candidates) {
-        if (z > 0.0F) {
-          out[x] = z;
-          break;
-        }
-      }
+      out[x] = bottom[right[x]];
+      if (out[x] > 0.0F) continue;
+      const float upper = top[left[x]] > 0.0F ? top[left[x]] : top[right[x]];
+      out[x] = upper > 0.0F ? upper : bottom[left[x]];
     }
   }
   return sampled;
 }
 
-cv::Mat1f gradientMagnitude(const cv::Mat1b& gray, cv::Size size) {
-  cv::Mat1b small;
-  cv::resize(gray, small, size, 0, 0, cv::INTER_AREA);
-  cv::Mat1f magnitude(size, 0.0F);
-  for (int y = 1; y + 1 < size.height; ++y) {
-    const uchar *above = small[y - 1], *here = small[y], *below = small[y + 1];
+cv::Mat1f gradientMagnitude(const cv::Mat1b& gray) {
+  cv::Mat1f magnitude(gray.size(), 0.0F);
+  for (int y = 1; y + 1 < gray.rows; ++y) {
+    const uchar *above = gray[y - 1], *here = gray[y], *below = gray[y + 1];
     float* out = magnitude[y];
-    for (int x = 1; x + 1 < size.width; ++x) {
+    for (int x = 1; x + 1 < gray.cols; ++x) {
       out[x] = 0.5F * static_cast<float>(std::abs(here[x + 1] - here[x - 1]) + std::abs(below[x] - above[x]));
     }
   }
@@ -60,29 +60,33 @@ constexpr float kFarM = 1e3F;
 constexpr int kHoleBlockCells = 8;
 
 /// Gives holes that no depth touches the range of depth of the blocks about them.
-void fillHoles(GridFrame& frame) {
+/// @param no_holes  depth with kFarM in the place of holes
+void fillHoles(GridFrame& frame, const cv::Mat1f& no_holes) {
   const cv::Size size = frame.depth_m.size();
   const cv::Size blocks((size.width + kHoleBlockCells - 1) / kHoleBlockCells,
                         (size.height + kHoleBlockCells - 1) / kHoleBlockCells);
   cv::Mat1f low(blocks, kFarM), high(blocks, 0.0F);
   for (int y = 0; y < size.height; ++y) {
-    const float* depth = frame.depth_m[y];
+    const float *depth = frame.depth_m[y], *filled = no_holes[y];
     float *low_row = low[y / kHoleBlockCells], *high_row = high[y / kHoleBlockCells];
-    for (int x = 0; x < size.width; ++x) {
-      if (depth[x] <= 0.0F) continue;
-      low_row[x / kHoleBlockCells] = std::min(low_row[x / kHoleBlockCells], depth[x]);
-      high_row[x / kHoleBlockCells] = std::max(high_row[x / kHoleBlockCells], depth[x]);
+    for (int block = 0; block < blocks.width; ++block) {
+      const int begin = block * kHoleBlockCells, end = std::min(begin + kHoleBlockCells, size.width);
+      for (int x = begin; x < end; ++x) {
+        low_row[block] = std::min(low_row[block], filled[x]);
+        high_row[block] = std::max(high_row[block], depth[x]);
+      }
     }
   }
   const cv::Mat1b kernel = cv::Mat1b::ones(3, 3);
   cv::erode(low, low, kernel);
   cv::dilate(high, high, kernel);
   for (int y = 0; y < size.height; ++y) {
+    const float *depth = frame.depth_m[y], *low_row = low[y / kHoleBlockCells], *high_row = high[y / kHoleBlockCells];
     for (int x = 0; x < size.width; ++x) {
-      if (frame.depth_m(y, x) > 0.0F) continue;
-      const float nearest = low(y / kHoleBlockCells, x / kHoleBlockCells);
+      if (depth[x] > 0.0F) continue;
+      const float nearest = low_row[x / kHoleBlockCells];
       frame.depth_low_m(y, x) = nearest < kFarM ? nearest : 0.0F;
-      frame.depth_high_m(y, x) = high(y / kHoleBlockCells, x / kHoleBlockCells);
+      frame.depth_high_m(y, x) = high_row[x / kHoleBlockCells];
     }
   }
 }
@@ -145,13 +149,14 @@ GridFrame makeGridFrame(const RgbdFrame& frame, const WorkGrid& grid) {
   out.stamp = frame.stamp;
   cv::resize(frame.gray, out.gray, grid.flowSize(), 0, 0, cv::INTER_AREA);
   out.depth_m = sampleDepth(frame.depth_m, grid.size());
-  out.texture = gradientMagnitude(out.gray, grid.size());
+  cv::resize(out.gray, out.cell_gray, grid.size(), 0, 0, cv::INTER_AREA);
+  out.texture = gradientMagnitude(out.cell_gray);
   const cv::Mat1b kernel = cv::Mat1b::ones(3, 3);
   cv::dilate(out.depth_m, out.depth_high_m, kernel);
   cv::Mat1f no_holes = out.depth_m.clone();
-  for (float& z : no_holes) z = z > 0.0F ? z : kFarM;
+  changeCells(no_holes, [](float z) { return z > 0.0F ? z : kFarM; });
   cv::erode(no_holes, out.depth_low_m, kernel);
-  fillHoles(out);
+  fillHoles(out, no_holes);
   return out;
 }
 

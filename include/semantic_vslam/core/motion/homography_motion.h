@@ -23,8 +23,8 @@ HomographyMotion estimateHomography(const GridFrame& current, const cv::Mat2f& f
                                     const cv::Mat1f& static_weight, const WorkGrid& grid,
                                     const HomographyConfig& config);
 
-/// The previous gray image as the homography says the present camera would see it; pixels it did not see are taken from
-/// the present image, so that no flow arises there.
+/// The previous gray image as the homography says the present camera would see it, reduced to the grid; pixels it did
+/// not see are taken from the present image, so that no flow arises there.
 cv::Mat1b warpPrevious(const GridFrame& previous, const GridFrame& current, const HomographyMotion& motion);
 
 /// Flow that the homography predicts at each cell. @return grid size, cells.

@@ -12,8 +12,8 @@ bool keyframeIsDue(const KeyframeEvidence& e, const KeyframePolicyConfig& config
                       e.frames_since_keyframe >= config.min_gap_frames;
   const bool overdue = e.frames_since_keyframe >= config.max_gap_frames;
   const bool ready = e.frames_since_keyframe >= config.min_gap_frames && e.mapper_idle;
-  const bool very_weak = e.tracked < 0.25 * e.reference_tracked;
-  const bool sees_new = e.tracked < config.min_reference_share * e.reference_tracked;
+  const bool very_weak = e.tracked < 0.25 * e.most_tracked;
+  const bool sees_new = e.tracked < config.min_view_share * e.most_tracked;
   return (overdue || ready || very_weak || starving || fading) && (sees_new || starving || fading);
 }
 
@@ -26,15 +26,6 @@ void countClose(const TrackedFrame& frame, double close_m, KeyframeEvidence& evi
     if (!has_landmark) ++evidence.all_new;
     if (feature.depth_m <= close_m) ++(has_landmark ? evidence.close_tracked : evidence.close_new);
   }
-}
-
-int countConfirmed(const Map& map, const Keyframe& keyframe, int minimum_observations) {
-  int count = 0;
-  for (const LandmarkId id : keyframe.landmarks) {
-    const Landmark* landmark = id.valid() ? map.landmark(id) : nullptr;
-    if (landmark && static_cast<int>(landmark->observations.size()) >= minimum_observations) ++count;
-  }
-  return count;
 }
 
 }  // namespace semantic_vslam

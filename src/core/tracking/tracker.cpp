@@ -45,6 +45,7 @@ TrackingResult Tracker::track(TrackedFrame frame, const Map& map, bool mapper_id
   result.features = static_cast<int>(frame.features->size());
   result.matches = estimate.matches;
   result.inliers = estimate.inliers;
+  most_tracked_ = std::max(most_tracked_, estimate.inliers);
   result.keyframe_is_due = keyframeIsDue(map, frame, estimate.inliers, mapper_idle);
   const auto frames_between = static_cast<double>(frame.index - last_->index);
   velocity_ = interpolate(SE3::Identity(), frame.T_camera_world * last_->T_camera_world.inverse(),
@@ -113,16 +114,11 @@ TrackingResult Tracker::trackingFailed(TrackedFrame& frame) {
 }
 
 bool Tracker::keyframeIsDue(const Map& map, const TrackedFrame& frame, int inliers, bool mapper_idle) const {
-  const Keyframe* reference = map.keyframe(reference_);
-  if (!reference) return true;
+  if (!map.keyframe(reference_)) return true;
   KeyframeEvidence evidence;
   evidence.frames_since_keyframe = static_cast<int>(frame.index - last_keyframe_index_);
   evidence.tracked = inliers;
-  // Where the map is young, at its start or on new ground, there is nothing that three keyframes confirm.
-  constexpr std::size_t kConfirming = 3;
-  constexpr int kMinShared = 15;
-  const bool young = map.covisible(reference_, kMinShared).size() + 1 < kConfirming;
-  evidence.reference_tracked = countConfirmed(map, *reference, young ? 1 : static_cast<int>(kConfirming));
+  evidence.most_tracked = most_tracked_;
   evidence.mapper_idle = mapper_idle;
   countClose(frame, config_.frame.sensor.closeM(), evidence);
   return semantic_vslam::keyframeIsDue(evidence, config_.keyframe);
@@ -132,6 +128,7 @@ void Tracker::keyframeInserted(const Map& map, KeyframeId id) {
   reference_ = id;
   last_->landmarks = map.keyframe(id)->landmarks;
   last_keyframe_index_ = last_->index;
+  most_tracked_ = 0;
 }
 
 void Tracker::startFrom(TrackedFrame frame, KeyframeId reference) {
@@ -140,6 +137,7 @@ void Tracker::startFrom(TrackedFrame frame, KeyframeId reference) {
   velocity_.reset();
   lost_since_.reset();
   last_keyframe_index_ = frame.index;
+  most_tracked_ = 0;
   last_ = std::move(frame);
   reference_ = reference;
 }
@@ -163,6 +161,7 @@ void Tracker::reset() {
   lost_since_.reset();
   reference_ = KeyframeId();
   last_keyframe_index_ = 0;
+  most_tracked_ = 0;
 }
 
 }  // namespace semantic_vslam

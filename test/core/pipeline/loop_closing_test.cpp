@@ -79,7 +79,7 @@ TEST(LoopClosing, ATurnInARoomIsClosedAndItsErrorTakenOut) {
               outcome.ate_before_m, outcome.ate_m);
   EXPECT_GE(outcome.posed + 3, outcome.frames);
   expectTrueLoops(source, outcome);
-  EXPECT_LT(outcome.ate_m, 0.6 * outcome.ate_before_m);
+  EXPECT_LT(outcome.ate_m, outcome.ate_before_m / 3.0);
   EXPECT_LT(outcome.ate_m, 0.05);
 }
 

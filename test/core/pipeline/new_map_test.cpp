@@ -48,7 +48,6 @@ class Kidnap {
     SparseSlamConfig config;
     config.tracking.recently_lost_s = 0.2;
     config.tracking.new_map_after_s = 0.3;
-    config.tracking.frame.sensor.depth_sigma_px = 0.5;  // at half a Kinect's size a pixel is two of its pixels
     config.tracking.frame.sensor.close_baselines = 60;  // the walls are more than 3 m away
     return config;
   }

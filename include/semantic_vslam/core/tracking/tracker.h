@@ -117,6 +117,7 @@ class Tracker {
   std::optional<Stamp> lost_since_;   ///< first frame that had no pose
   KeyframeId reference_;
   std::uint64_t last_keyframe_index_ = 0;
+  int most_tracked_ = 0;  // inliers since the last keyframe, of the frame that had most
 };
 
 }  // namespace semantic_vslam

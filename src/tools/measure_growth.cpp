@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "semantic_vslam/core/common/arguments.h"
-#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/eval/run_report.h"
 #include "semantic_vslam/core/io/json_writer.h"
 #include "semantic_vslam/core/io/tum_sequence.h"
@@ -39,11 +39,7 @@ struct Growth {
 SystemConfig readConfig(const Arguments& arguments) {
   SystemConfig config;
   config.dense.enabled = false;  // it is the sparse map that is looked at
-  for (const std::string& assignment : arguments.values("--set")) {
-    const std::size_t equals = assignment.find('=');
-    if (equals == std::string::npos) throw UsageError("--set " + assignment + ": expected KEY=VALUE");
-    setConfig(config, assignment.substr(0, equals), assignment.substr(equals + 1));
-  }
+  applySettings(arguments, config);
   return config;
 }
 

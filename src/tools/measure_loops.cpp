@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "semantic_vslam/core/common/arguments.h"
-#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/eval/run_report.h"
 #include "semantic_vslam/core/eval/scenario_source.h"
@@ -66,11 +66,7 @@ Recording openRecording(const Arguments& arguments) {
 SystemConfig readConfig(const Arguments& arguments) {
   SystemConfig config;
   config.dense.enabled = false;  // has no part in the loops
-  for (const std::string& assignment : arguments.values("--set")) {
-    const std::size_t equals = assignment.find('=');
-    if (equals == std::string::npos) throw UsageError("--set " + assignment + ": expected KEY=VALUE");
-    setConfig(config, assignment.substr(0, equals), assignment.substr(equals + 1));
-  }
+  applySettings(arguments, config);
   return config;
 }
 

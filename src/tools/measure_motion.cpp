@@ -4,17 +4,15 @@
 // Runs the motion stage alone over a TUM folder and measures it against the sequence's masks and ground truth.
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <deque>
-#include <exception>
 #include <filesystem>
-#include <iostream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
-#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/arguments.h"
+#include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/eval/mask_score.h"
 #include "semantic_vslam/core/eval/stage_timing.h"
@@ -30,9 +28,9 @@ constexpr char kUsage[] =
     "                      [--truth-masks SECONDS] [--mask-period N] [--frames N]\n"
     "  --set KEY=VALUE        a key of the motion stage, e.g. model=homography\n"
     "  --pictures DIR         write mask overlay, residual and flow of every N-th frame (--every, default 10)\n"
-    "  --truth-masks SECONDS  feed the sequence's masks as person labels, this late, of every N-th frame\n"
+    "  --truth-masks SECONDS  feed the sequence's masks as person labels, this late (above 0), of every N-th frame\n"
     "                         (--mask-period, default 5)\n"
-    "  --frames N             stop after N frames";
+    "  --frames N             stop after N frames\n";
 
 struct Options {
   std::string sequence, camera, pictures;
@@ -41,38 +39,17 @@ struct Options {
   double mask_delay_s = -1.0;
 };
 
-Options parseOptions(int argc, char** argv) {
+Options readOptions(const Arguments& arguments) {
   Options options;
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const auto value = [&]() -> std::string {
-      if (i + 1 >= argc) throw Error("option " + word + " needs a value");
-      return argv[++i];
-    };
-    if (word == "--camera") {
-      options.camera = value();
-    } else if (word == "--set") {
-      const std::string pair = value();
-      const std::size_t equals = pair.find('=');
-      if (equals == std::string::npos) throw Error("--set needs key=value, got '" + pair + "'");
-      setConfig(options.config, pair.substr(0, equals), pair.substr(equals + 1));
-    } else if (word == "--pictures") {
-      options.pictures = value();
-    } else if (word == "--every") {
-      options.every = std::stoul(value());
-    } else if (word == "--frames") {
-      options.frames = std::stoul(value());
-    } else if (word == "--truth-masks") {
-      options.mask_delay_s = std::stod(value());
-    } else if (word == "--mask-period") {
-      options.mask_period = std::stoul(value());
-    } else if (options.sequence.empty() && word[0] != '-') {
-      options.sequence = word;
-    } else {
-      throw Error("unknown option '" + word + "'\n" + kUsage);
-    }
-  }
-  if (options.sequence.empty() || options.camera.empty()) throw Error(kUsage);
+  options.sequence = arguments.positional()[0];
+  options.camera = arguments.value("--camera").value_or("");
+  if (options.camera.empty()) throw UsageError("--camera FILE is missing (cfg/cameras/*.yaml)");
+  applySettings(arguments, options.config);
+  options.pictures = arguments.value("--pictures").value_or("");
+  options.every = std::max<std::size_t>(1, arguments.count("--every", options.every));
+  options.frames = arguments.count("--frames", options.frames);
+  options.mask_period = std::max<std::size_t>(1, arguments.count("--mask-period", options.mask_period));
+  if (arguments.has("--truth-masks")) options.mask_delay_s = arguments.positiveNumber("--truth-masks", 0.0);
   return options;
 }
 
@@ -158,7 +135,7 @@ struct LateMask {
   cv::Mat1b labels;
 };
 
-void run(const Options& options) {
+int run(const Options& options) {
   cv::setNumThreads(1);
   TumSequence sequence(options.sequence, std::make_shared<CameraModel>(loadCameraFile(options.camera)));
   MotionDetector detector(options.config);
@@ -208,17 +185,17 @@ void run(const Options& options) {
                 score.iou());
   }
   motion_error.print();
+  return 0;
 }
 
 }  // namespace
 }  // namespace semantic_vslam
 
 int main(int argc, char** argv) {
-  try {
-    semantic_vslam::run(semantic_vslam::parseOptions(argc, argv));
-    return EXIT_SUCCESS;
-  } catch (const std::exception& error) {
-    std::cerr << "measure_motion: " << error.what() << '\n';
-    return EXIT_FAILURE;
-  }
+  using namespace semantic_vslam;
+  return runTool(argc, argv, kUsage, [&] {
+    return run(readOptions(Arguments(
+        argc, argv, {"--camera", "--set", "--pictures", "--every", "--truth-masks", "--mask-period", "--frames"}, {},
+        1)));
+  });
 }

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "semantic_vslam/core/common/arguments.h"
-#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/eval/fault_injection.h"
 #include "semantic_vslam/core/eval/trajectory_error.h"
@@ -178,11 +178,7 @@ int run(const Arguments& arguments) {
   if (!camera_file) throw UsageError("--camera FILE is missing (cfg/cameras/*.yaml)");
   setup.camera = std::make_shared<CameraModel>(loadCameraFile(*camera_file));
   setup.config.dense.enabled = false;  // has no part in where the camera is
-  for (const std::string& assignment : arguments.values("--set")) {
-    const std::size_t equals = assignment.find('=');
-    if (equals == std::string::npos) throw UsageError("--set " + assignment + ": expected KEY=VALUE");
-    setConfig(setup.config, assignment.substr(0, equals), assignment.substr(equals + 1));
-  }
+  applySettings(arguments, setup.config);
   if (arguments.has("--background")) setup.mode = SlamSystem::Mode::kBackground;
 
   CutsResult cuts;

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "semantic_vslam/core/common/arguments.h"
-#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/eval/mask_score.h"
 #include "semantic_vslam/core/eval/stage_timing.h"
@@ -136,11 +136,7 @@ Options parse(const Arguments& arguments) {
   options.pictures = arguments.value("--pictures").value_or("");
   options.dilate_px = static_cast<int>(arguments.count("--dilate", 0));
   options.every = std::max<std::size_t>(1, arguments.count("--every", options.every));
-  for (const std::string& pair : arguments.values("--set")) {
-    const std::size_t equals = pair.find('=');
-    if (equals == std::string::npos) throw UsageError("--set needs KEY=VALUE, got '" + pair + "'");
-    setConfig(options.config, pair.substr(0, equals), pair.substr(equals + 1));
-  }
+  applySettings(arguments, options.config);
   if (options.camera.empty()) throw UsageError("--camera FILE is missing");
   if (options.config.model.empty() == (options.dilate_px == 0)) {
     throw UsageError("give either --set model=FILE.onnx or --dilate PX");

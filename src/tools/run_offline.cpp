@@ -17,7 +17,7 @@
 
 #include "semantic_vslam/core/common/arguments.h"
 #include "semantic_vslam/core/common/bounded_queue.h"
-#include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
 #include "semantic_vslam/core/eval/run_recorder.h"
@@ -72,11 +72,7 @@ struct Options {
 SystemConfig readConfig(const Arguments& arguments) {
   SystemConfig config;
   if (const auto file = arguments.value("--config")) loadConfigFile(config, *file);
-  for (const std::string& assignment : arguments.values("--set")) {
-    const std::size_t equals = assignment.find('=');
-    if (equals == std::string::npos) throw UsageError("--set " + assignment + ": expected KEY=VALUE");
-    setConfig(config, assignment.substr(0, equals), assignment.substr(equals + 1));
-  }
+  applySettings(arguments, config);
   return config;
 }
 

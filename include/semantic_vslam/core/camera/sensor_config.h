@@ -8,7 +8,7 @@ namespace semantic_vslam {
 /// section III.A). One for all stages, since they must agree on which points are close.
 struct SensorConfig {
   double virtual_baseline_m = 0.08;
-  double depth_sigma_m = 0.024;
+  double depth_sigma_m = 0.016;
   double close_baselines = 40.0;
 
   template <class Visitor>
@@ -18,7 +18,7 @@ struct SensorConfig {
     v.field(
         "depth_sigma_m", depth_sigma_m, 0.0001, 1.0,
         "standard deviation of depth at 1 m, metres; it grows with the square of the distance, whatever the image's "
-        "size. 2.4 cm covers a Kinect's registration and edge errors where features lie");
+        "size. 1.6 cm covers a Kinect's registration and edge errors where features lie");
     v.field("close_baselines", close_baselines, 1.0, 1000.0,
             "a point is close up to this many virtual baselines (40 x 0.08 m = 3.2 m): its depth alone makes a "
             "landmark and is used by the optimisers; farther off its error exceeds its worth");

@@ -85,7 +85,9 @@ int cullRecentLandmarks(Map& map, KeyframeId newest, const MapMaintenanceConfig&
     // Its depth confirms a point once, so a second keyframe is enough.
     const bool unconfirmed =
         age + 1 >= static_cast<std::uint64_t>(config.probation_keyframes) && landmark.observations.size() < 2;
-    if (rarely_found || unconfirmed) dropped.push_back(id);
+    if (!rarely_found && !unconfirmed) continue;
+    // Keyframes of a map begun elsewhere had no chance to see it.
+    if (map.rootOf(landmark.reference_keyframe) == map.rootOf(newest)) dropped.push_back(id);
   }
   std::sort(dropped.begin(), dropped.end());
   for (const LandmarkId id : dropped) map.removeLandmark(id);

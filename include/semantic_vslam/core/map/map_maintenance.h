@@ -45,7 +45,7 @@ struct MapMaintenanceConfig {
 KeyframeId insertKeyframe(Map& map, const TrackedFrame& frame, const SensorConfig& sensor,
                           const MapMaintenanceConfig& config);
 
-/// Drops landmarks made in the last few keyframes that tracking does not confirm.
+/// Drops landmarks of the newest keyframe's tree, made in the last few keyframes, that tracking does not confirm.
 /// @return landmarks dropped
 int cullRecentLandmarks(Map& map, KeyframeId newest, const MapMaintenanceConfig& config);
 

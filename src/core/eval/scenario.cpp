@@ -173,15 +173,15 @@ Scenario makeNearMover(Director& director) {
   director.addRoom(Furnishing::kOffice);
   director.holdCamera({-0.5, 0.0, 1.12}, {0.05, 0.15, 0.05}, {2.5, 0.0, 1.1}, {0.1, 0.3, 0.1});
   // In, then close to the camera for most of the time, swaying and turning.
-  auto& person = director.addPerson({0.06, -1.6}, M_PI / 2);
+  auto& person = director.addPerson({0.02, -1.6}, M_PI / 2);
   person.speed_mps = 0.7;
   person.script = {PersonAction::wait(2.0)};
   for (double time_s = 0.0; time_s < director.scenario().duration_s; time_s += 3.0) {
-    person.script.push_back(PersonAction::walkTo(0.03 + director.between(-0.03, 0.05), director.between(-0.12, 0.12)));
+    person.script.push_back(PersonAction::walkTo(-0.01 + director.between(-0.03, 0.05), director.between(-0.12, 0.12)));
     person.script.push_back(
         PersonAction::turnTo(director.chance(0.5) ? director.between(-0.5, 0.5) : M_PI + director.between(-0.5, 0.5)));
     person.script.push_back(PersonAction::wait(director.between(0.2, 0.8)));
-    person.script.push_back(PersonAction::walkTo(0.06, director.between(-0.3, 0.3)));
+    person.script.push_back(PersonAction::walkTo(0.02, director.between(-0.3, 0.3)));
   }
   return director.scenario();
 }

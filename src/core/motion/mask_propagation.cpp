@@ -75,7 +75,7 @@ void MaskPropagation::addFrame(Stamp stamp, cv::Size grid_size, const cv::Mat2f&
 }
 
 void MaskPropagation::setMoving(const cv::Mat1b& moving) {
-  if (!entries_.empty()) entries_.back().moving = moving;
+  if (!entries_.empty() && !moving.empty()) entries_.back().moving = moving;
 }
 
 cv::Mat1f MaskPropagation::dynamicOf(const Entry& entry, const cv::Mat1b& labels, const LabelSet& label_set) const {

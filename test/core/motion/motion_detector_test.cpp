@@ -99,6 +99,19 @@ TEST(MotionDetectorTest, LabelsOfTheFirstFrameCountInTheSecond) {
   }
 }
 
+TEST(MotionDetectorTest, LabelsCountForAFrameInWhichNoMotionCouldBeTold) {
+  LabelSet labels;
+  labels.classes.push_back({"person", Mobility::kPerson, {}});
+  MotionConfig config;
+  config.model = "none";
+  MotionDetector detector(config);
+  for (int i = 0; i < 3; ++i) detector.detect(texturedFrame(i, 2.0F, 0));
+  cv::Mat1b person = cv::Mat1b::zeros(240, 320);
+  person(cv::Rect(100, 60, 60, 120)) = 1;
+  ASSERT_TRUE(detector.addLabels(texturedFrame(1, 2.0F, 0).stamp, person, labels));
+  EXPECT_GE(detector.detect(texturedFrame(3, 2.0F, 0)).dynamic(120, 130), 128);
+}
+
 TEST(MotionDetectorTest, OldMaskGivesWayToASurfaceThatStandsStill) {
   LabelSet labels;
   labels.classes.push_back({"person", Mobility::kPerson, {}});

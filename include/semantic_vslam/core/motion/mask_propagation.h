@@ -25,7 +25,8 @@ class MaskPropagation {
   /// Advances to a new frame.
   /// @param source  where each cell was in the frame before, of traceBack(); empty for the first frame
   void addFrame(Stamp stamp, cv::Size grid_size, const cv::Mat2f& source);
-  /// @param moving  what flow and depth showed of the newest frame, grid size, not 0 = moving: Fi of eq. (5)
+  /// @param moving  what flow and depth showed of the newest frame, grid size, not 0 = moving: Fi of eq. (5); empty:
+  /// nothing was seen to move
   void setMoving(const cv::Mat1b& moving);
   /// Takes the labels of an earlier frame. People are dynamic; movable things are where enough of them moved, eq. (5).
   /// @return false if the frame is not kept any more (too late) or never was: the labels are ignored

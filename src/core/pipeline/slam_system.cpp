@@ -15,6 +15,9 @@ namespace {
 
 // Keyframes wait here for segmentation and dense mapping; about two seconds of them at a lively pace.
 constexpr std::size_t kKeyframeJobs = 16;
+// With more than these behind it a keyframe is mapped without labels, which would come too late for the motion stage,
+// too: the queue never fills up and makes tracking wait for the network.
+constexpr std::size_t kMostBehindSegmentation = 4;
 
 // Keyframes of a new map wait here until it is joined with the old one: 3.3 MB each at 640x480.
 constexpr std::size_t kMaxWaiting = 32;
@@ -144,7 +147,8 @@ void SlamSystem::submit(KeyframeJob job) {
 }
 
 void SlamSystem::mapKeyframe(KeyframeJob job) {
-  if (job.labels.empty() && segmentation_.enabled()) {
+  const bool in_time = keyframe_jobs_.size() <= kMostBehindSegmentation;
+  if (job.labels.empty() && segmentation_.enabled() && in_time) {
     job.labels = segment(job.frame);
     job.dynamic = unite(job.dynamic, removalMask(job.labels, job.moving));
   }

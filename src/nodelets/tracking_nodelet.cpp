@@ -3,7 +3,6 @@
 #include <nodelet/nodelet.h>
 
 #include <atomic>
-#include <chrono>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -15,12 +14,12 @@
 #include "semantic_vslam/core/io/trajectory.h"
 #include "semantic_vslam/core/pipeline/sparse_slam.h"
 #include "semantic_vslam/ros/conversions.h"
+#include "semantic_vslam/ros/motion_mask_input.h"
 #include "semantic_vslam/ros/parameters.h"
 #include "semantic_vslam/ros/rgbd_converter.h"
 #include "semantic_vslam/ros/rgbd_subscriber.h"
 #include "semantic_vslam/ros/services.h"
 #include "semantic_vslam/ros/stage_diagnostics.h"
-#include "semantic_vslam/ros/stamped_buffer.h"
 #include "semantic_vslam/ros/tracking_publisher.h"
 #include "semantic_vslam/ros/worker.h"
 
@@ -28,11 +27,10 @@ namespace semantic_vslam {
 
 struct TrackingNodeletConfig {
   double budget_ms = 33.0;
-  int mask_budget_ms = 60;
-  double init_wait_s = 0.0;
   double path_period_s = 0.5;
   std::string map_file = "map.slam";
   std::string trajectory_file = "trajectory.txt";
+  MotionMaskConfig masks;
   RgbdInputConfig input;
   FramesConfig frames;
   InitialPoseConfig initial_pose;
@@ -41,13 +39,10 @@ struct TrackingNodeletConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("budget_ms", budget_ms, 1.0, 1000.0, "ms a frame may take before the diagnostics warn; 33 keeps 30 Hz");
-    v.field("mask_budget_ms", mask_budget_ms, 0, 1000,
-            "ms a frame waits for its motion mask before it is tracked without; two frames at 30 Hz");
-    v.field("init_wait_s", init_wait_s, 0.0, 60.0,
-            "s the start waits for the first labels, so that no person enters the first map; 0 where no network runs");
     v.field("path_period_s", path_period_s, 0.05, 60.0, "s between publications of the path");
     v.text("map_file", map_file, "sparse map that ~save_map writes and ~load_map reads");
     v.text("trajectory_file", trajectory_file, "where ~save_trajectory writes, TUM format, optical frame in the map");
+    masks.visit(v);
     v.group("input", input);
     v.group("frames", frames);
     v.group("initial_pose", initial_pose);
@@ -65,15 +60,11 @@ class TrackingNodelet final : public nodelet::Nodelet {
   void onInit() override;
   void start();
   void advertiseServices(ros::NodeHandle private_nh);
-  void onMask(const sensor_msgs::ImageConstPtr& message);
-  void onLabels(const sensor_msgs::ImageConstPtr& message);
   void report(StageDiagnostics::Status& status);
   void dropMap();
 
   // Worker thread
   void step(const RgbdMessages& messages);
-  bool readyToStart(Stamp stamp);
-  cv::Mat1b maskOf(const std_msgs::Header& image, cv::Size size);
 
   TrackingNodeletConfig config_;
   std::optional<RgbdConverter> converter_;  // worker only
@@ -81,29 +72,24 @@ class TrackingNodelet final : public nodelet::Nodelet {
   std::mutex step_mutex_;             // a frame and its publication are one with the map they belong to
   std::unique_ptr<SparseSlam> slam_;  // step() by the worker only
   std::unique_ptr<TrackingPublisher> publisher_;
-  StampedBuffer<cv::Mat1b> masks_{30};
-  Stamp last_stamp_;                                 // worker only
-  std::optional<ros::SteadyTime> first_frame_time_;  // worker only
+  std::unique_ptr<MotionMaskInput> masks_;  // worker only
+  Stamp last_stamp_;                        // worker only
   std::atomic<TrackingState> state_{TrackingState::kInitialising};
   std::atomic<int> inliers_{0};
-  std::atomic<bool> paused_{false}, labels_seen_{false};
-  std::atomic<std::int64_t> labels_in_masks_after_ns_{0};
+  std::atomic<bool> paused_{false};
   std::atomic<std::size_t> posed_{0}, lost_{0}, without_mask_{0}, skipped_with_motion_{0}, waited_for_labels_{0};
 
   std::unique_ptr<StageDiagnostics> diagnostics_;
   std::unique_ptr<Worker<RgbdMessages>> worker_;
-  ros::Subscriber mask_subscriber_, labels_subscriber_;
   Services services_;
   std::unique_ptr<RgbdSubscriber> input_;
 };
 
 TrackingNodelet::~TrackingNodelet() {
-  mask_subscriber_.shutdown();
-  labels_subscriber_.shutdown();
   services_.shutdown();
   if (diagnostics_) diagnostics_->stop();
   input_.reset();
-  masks_.close();
+  if (masks_) masks_->close();
   worker_.reset();
 }
 
@@ -127,10 +113,7 @@ void TrackingNodelet::start() {
   diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "tracking", config_.budget_ms);
   worker_ = std::make_unique<Worker<RgbdMessages>>(config_.input.queue_size, QueuePolicy::kDropOldest,
                                                    [this](const RgbdMessages& messages) { step(messages); });
-  mask_subscriber_ = nh.subscribe("motion/mask", 10, &TrackingNodelet::onMask, this);
-  if (config_.init_wait_s > 0) {
-    labels_subscriber_ = nh.subscribe("segmentation/labels", 2, &TrackingNodelet::onLabels, this);
-  }
+  masks_ = std::make_unique<MotionMaskInput>(nh, config_.masks);
   advertiseServices(private_nh);
   input_ = std::make_unique<RgbdSubscriber>(nh, config_.input,
                                             [this](const RgbdMessages& messages) { worker_->push(messages); });
@@ -162,21 +145,6 @@ void TrackingNodelet::advertiseServices(ros::NodeHandle private_nh) {
   services_.addSwitch(private_nh, "localization_only", [this](bool on) { slam_->setLocalizationOnly(on); });
 }
 
-void TrackingNodelet::onMask(const sensor_msgs::ImageConstPtr& message) {
-  try {
-    masks_.put(fromRos(message->header.stamp), maskFromRos(message));
-  } catch (const Error& error) {
-    NODELET_ERROR_THROTTLE(5.0, "mask refused: %s", error.what());
-  }
-}
-
-/// The first labels are in the motion masks from the next mask on.
-void TrackingNodelet::onLabels(const sensor_msgs::ImageConstPtr&) {
-  labels_in_masks_after_ns_ = masks_.newest().value_or(Stamp{}).ns;
-  labels_seen_ = true;
-  labels_subscriber_.shutdown();
-}
-
 void TrackingNodelet::report(StageDiagnostics::Status& status) {
   status.add("state", stateName(state_));
   status.add("inliers", inliers_.load());
@@ -205,28 +173,6 @@ void TrackingNodelet::dropMap() {
   state_ = TrackingState::kInitialising;
 }
 
-/// Whether the people of the first frames are known, or need not be waited for any longer.
-bool TrackingNodelet::readyToStart(Stamp stamp) {
-  if (config_.init_wait_s <= 0 || state_ != TrackingState::kInitialising) return true;
-  if (labels_seen_) return stamp.ns > labels_in_masks_after_ns_;
-  const ros::SteadyTime now = ros::SteadyTime::now();
-  if (!first_frame_time_) first_frame_time_ = now;
-  if ((now - *first_frame_time_).toSec() < config_.init_wait_s) return false;
-  NODELET_WARN_ONCE("no labels within init_wait_s: starting without");
-  return true;
-}
-
-/// The motion mask of a frame; empty if it did not come in time or does not fit.
-cv::Mat1b TrackingNodelet::maskOf(const std_msgs::Header& image, cv::Size size) {
-  // Without a motion nodelet there is nothing to wait for.
-  const std::chrono::milliseconds budget(mask_subscriber_.getNumPublishers() > 0 ? config_.mask_budget_ms : 0);
-  const cv::Mat1b mask = masks_.waitFor(fromRos(image.stamp), budget).value_or(cv::Mat1b());
-  if (mask.empty() || mask.size() == size) return mask;
-  NODELET_ERROR_THROTTLE(5.0, "motion/mask is %dx%d but the image %dx%d: tracked without", mask.cols, mask.rows,
-                         size.width, size.height);
-  return cv::Mat1b();
-}
-
 void TrackingNodelet::step(const RgbdMessages& messages) {
   if (paused_) return;
   const std_msgs::Header& image = messages.rgb->header;
@@ -236,7 +182,7 @@ void TrackingNodelet::step(const RgbdMessages& messages) {
     dropMap();
   }
   last_stamp_ = stamp;
-  if (!readyToStart(stamp)) {
+  if (state_ == TrackingState::kInitialising && !masks_->readyToStart(stamp)) {
     ++waited_for_labels_;
     return;
   }
@@ -244,8 +190,8 @@ void TrackingNodelet::step(const RgbdMessages& messages) {
   if (!frame) return;
   const std::optional<SE3> T_camera_body = publisher_->cameraFromBody(image);
   if (!T_camera_body) return;  // counted; the next frame may know
-  const cv::Mat1b mask = maskOf(image, frame->gray.size());
-  if (mask.empty() && masks_.newest() > stamp && worker_->waiting() > 0) {
+  const cv::Mat1b mask = masks_->maskOf(image, frame->gray.size());
+  if (mask.empty() && masks_->passedOver(stamp) && worker_->waiting() > 0) {
     ++skipped_with_motion_;  // both stages are behind: track the frames that the motion stage had time for
     return;
   }

@@ -241,6 +241,7 @@ KeyframeStamped toRos(const KeyframePose& pose, const std::string& map_frame, st
   message.id = pose.keyframe.value();
   message.map_id = map_id;
   message.pose = toPose(pose.T_world_camera);
+  message.placed = true;
   return message;
 }
 

@@ -7,6 +7,7 @@
 #include <semantic_vslam/KeyframeStamped.h>
 #include <semantic_vslam/TrackingReport.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "semantic_vslam/ros/conversions.h"
@@ -136,15 +137,27 @@ void TrackingPublisher::publishKeyframes(const SparseStep& step, const SparseSla
                                          const std_msgs::Header& image) {
   if (!step.first_keyframe && !step.keyframe) return;
   const KeyframePoseArray poses = keyframePoses(slam, image);
-  for (const KeyframeStamped& keyframe : poses.keyframes) {
-    const KeyframeId id(keyframe.id);
-    if (id == step.first_keyframe || id == step.keyframe) keyframe_.publish(keyframe);
-  }
+  if (step.first_keyframe) publishKeyframe(*step.first_keyframe, step.first_stamp, poses, slam);
+  if (step.keyframe) publishKeyframe(*step.keyframe, fromRos(image.stamp), poses, slam);
   publishKeyframePoses(poses);
   if (points_.getNumSubscribers() == 0) return;
   std::vector<Eigen::Vector3d> points = slam.landmarkPositions();
   for (Eigen::Vector3d& point : points) point = *T_map_world_ * point;
   points_.publish(toRos(points, poses.header));
+}
+
+/// Names a keyframe at once, also where its pose must wait for the new map to be joined: its images would be gone then.
+void TrackingPublisher::publishKeyframe(KeyframeId id, Stamp stamp, const KeyframePoseArray& poses,
+                                        const SparseSlam& slam) {
+  const auto placed = std::find_if(poses.keyframes.begin(), poses.keyframes.end(),
+                                   [&](const KeyframeStamped& keyframe) { return KeyframeId(keyframe.id) == id; });
+  if (placed != poses.keyframes.end()) {
+    keyframe_.publish(*placed);
+  } else if (slam.awaitsPlace(id)) {
+    KeyframeStamped keyframe = toRos(KeyframePose{id, stamp, SE3::Identity()}, frames_.map_frame, map_id_);
+    keyframe.placed = false;
+    keyframe_.publish(keyframe);
+  }
 }
 
 void TrackingPublisher::publishPaths(const std_msgs::Header& image, const SparseSlam& slam) {

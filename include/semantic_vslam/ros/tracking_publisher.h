@@ -73,6 +73,7 @@ class TrackingPublisher {
   void publishPose(const std_msgs::Header& image, const SE3& T_camera_body, const TrackingResult& tracking);
   geometry_msgs::Twist twistTo(const TimedPose& body);
   void publishKeyframes(const SparseStep& step, const SparseSlam& slam, const std_msgs::Header& image);
+  void publishKeyframe(KeyframeId id, Stamp stamp, const KeyframePoseArray& poses, const SparseSlam& slam);
   void publishKeyframePoses(KeyframePoseArray poses);
   KeyframePoseArray keyframePoses(const SparseSlam& slam, const std_msgs::Header& image) const;
   void publishPaths(const std_msgs::Header& image, const SparseSlam& slam);

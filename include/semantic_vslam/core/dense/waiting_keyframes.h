@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <vector>
+
+#include "semantic_vslam/core/dense/dense_mapper.h"
+
+namespace semantic_vslam {
+
+/// What the dense map takes of a keyframe, but for its pose; see DenseMapper::add().
+struct DenseInput {
+  KeyframeId id;
+  RgbdFrame frame;
+  cv::Mat1b labels, dynamic;
+};
+
+/// Keyframes whose place in the world is not known: those of a new map until it is joined with the old one. Knows no
+/// thread.
+class WaitingKeyframes {
+ public:
+  /// @param most  that wait; above it the oldest goes. 3.3 MB each at 640x480
+  explicit WaitingKeyframes(std::size_t most) : most_(most) {}
+
+  void add(DenseInput keyframe);
+  /// Moves those that have a pose by now into the map, in the order they came.
+  void place(const std::vector<KeyframePose>& poses, DenseMapper& map);
+  /// Drops those that nobody will place any more.
+  void keepOnly(const std::function<bool(KeyframeId)>& wanted);
+  void clear() { waiting_.clear(); }
+  std::size_t size() const { return waiting_.size(); }
+
+ private:
+  const std::size_t most_;
+  std::deque<DenseInput> waiting_;
+};
+
+}  // namespace semantic_vslam

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/subscriber.h>
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "semantic_vslam/core/dense/waiting_keyframes.h"
+#include "semantic_vslam/core/segmentation/label_set.h"
+#include "semantic_vslam/core/segmentation/segmentation_config.h"
+#include "semantic_vslam/ros/rgbd_converter.h"
+#include "semantic_vslam/ros/rgbd_subscriber.h"
+#include "semantic_vslam/ros/stage_diagnostics.h"
+#include "semantic_vslam/ros/stamped_buffer.h"
+
+namespace semantic_vslam {
+
+/// What the map needs to know of segmentation's configuration.
+struct DecisionConfig {
+  double phi = SegmentationConfig{}.phi;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("phi", phi, 0.0, 1.0, "eq. (5): an object moves when more than this share of its mask moves");
+  }
+};
+
+struct KeyframeInputsConfig {
+  double labels_wait_s = 0.0;
+  double mask_wait_s = 0.5;
+  int kept_frames = 30;
+  RgbdInputConfig input;
+  DecisionConfig segmentation;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("labels_wait_s", labels_wait_s, 0.0, 30.0,
+            "s a keyframe waits for its labels before it enters the map without; 0 where no network runs");
+    v.field("mask_wait_s", mask_wait_s, 0.0, 30.0, "s a keyframe waits for its motion mask");
+    v.field("kept_frames", kept_frames, 2, 300, "newest images that wait for the tracker to name one of them");
+    v.group("input", input);
+    v.group("segmentation", segmentation);
+  }
+};
+
+/// Gathers by stamp what belongs to a keyframe: images, motion mask and labels, which come on topics of their own and
+/// at different times. Subscribes to the images, motion/mask and segmentation/labels.
+class KeyframeInputs {
+ public:
+  /// @throws FileError or ConfigError for a camera file that does not load
+  KeyframeInputs(ros::NodeHandle nh, const KeyframeInputsConfig& config);
+
+  /// The images of a keyframe if they are here already. To be taken as soon as it is named: while earlier keyframes
+  /// wait for labels, newer images push them out.
+  std::optional<RgbdMessages> imagesNow(Stamp stamp) const { return frames_.find(stamp); }
+  /// Waits for what is missing, at most the times in the configuration. One thread makes all calls.
+  /// @param labels  that segmentation uses
+  /// @return nothing if there are no images, or nobody can say where people are in them: counted
+  std::optional<DenseInput> gather(KeyframeId id, Stamp stamp, std::optional<RgbdMessages> images,
+                                   const LabelSet& labels);
+
+  std::string missing() const { return images_ ? images_->missing() : std::string(); }
+  void report(StageDiagnostics::Status& status) const;
+  /// Ends all subscriptions and waiting, for good.
+  void close();
+
+ private:
+  cv::Mat1b withMovingObjects(const cv::Mat1b& mask, const cv::Mat1b& labels, const LabelSet& label_set) const;
+
+  const KeyframeInputsConfig config_;
+  RgbdConverter converter_;  // gather()'s thread only, but for refused()
+  StampedBuffer<RgbdMessages> frames_;
+  StampedBuffer<cv::Mat1b> masks_{90};  // 3 s: longer than labels let a keyframe wait
+  StampedBuffer<cv::Mat1b> labels_{10};
+  std::atomic<std::size_t> images_missing_{0}, masks_missing_{0}, labels_missing_{0};
+
+  // Last, so that callbacks stop before what they use is gone.
+  ros::Subscriber mask_subscriber_, labels_subscriber_;
+  std::unique_ptr<RgbdSubscriber> images_;
+};
+
+}  // namespace semantic_vslam

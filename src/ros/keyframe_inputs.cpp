@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/ros/keyframe_inputs.h"
+
+#include <ros/console.h>
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/segmentation/dynamic_objects.h"
+#include "semantic_vslam/ros/conversions.h"
+
+namespace semantic_vslam {
+namespace {
+
+// The tracker may be a moment ahead of this process's own pairing of colour and depth.
+constexpr std::chrono::milliseconds kPairingWait{500};
+
+std::chrono::milliseconds milliseconds(double seconds) { return std::chrono::milliseconds(std::lround(seconds * 1e3)); }
+
+boost::function<void(const sensor_msgs::ImageConstPtr&)> keepIn(StampedBuffer<cv::Mat1b>& buffer) {
+  return [&buffer](const sensor_msgs::ImageConstPtr& message) {
+    try {
+      buffer.put(fromRos(message->header.stamp), maskFromRos(message));
+    } catch (const Error& error) {
+      ROS_ERROR_THROTTLE(5.0, "mask refused: %s", error.what());
+    }
+  };
+}
+
+}  // namespace
+
+KeyframeInputs::KeyframeInputs(ros::NodeHandle nh, const KeyframeInputsConfig& config)
+    : config_(config), converter_(config.input), frames_(config.kept_frames) {
+  mask_subscriber_ = nh.subscribe<sensor_msgs::Image>("motion/mask", 10, keepIn(masks_));
+  labels_subscriber_ = nh.subscribe<sensor_msgs::Image>("segmentation/labels", 5, keepIn(labels_));
+  images_ = std::make_unique<RgbdSubscriber>(nh, config.input, [this](const RgbdMessages& messages) {
+    frames_.put(fromRos(messages.rgb->header.stamp), messages);
+  });
+}
+
+std::optional<DenseInput> KeyframeInputs::gather(KeyframeId id, Stamp stamp, std::optional<RgbdMessages> images,
+                                                 const LabelSet& label_set) {
+  if (!images) images = frames_.waitFor(stamp, kPairingWait);
+  if (!images) {
+    ++images_missing_;
+    return std::nullopt;
+  }
+  const auto labels = labels_.waitFor(stamp, milliseconds(config_.labels_wait_s));
+  if (config_.labels_wait_s > 0 && !labels) ++labels_missing_;
+
+  const bool motion_runs = mask_subscriber_.getNumPublishers() > 0;
+  const auto mask = masks_.waitFor(stamp, milliseconds(motion_runs ? config_.mask_wait_s : 0.0));
+  if (!mask) ++masks_missing_;
+  if (!mask && !labels && motion_runs) return std::nullopt;  // nobody can say where people are in it
+
+  const std::optional<RgbdFrame> frame = converter_.convert(*images);
+  if (!frame) return std::nullopt;
+  DenseInput input{id, *frame, labels.value_or(cv::Mat1b()), cv::Mat1b()};
+  input.dynamic = withMovingObjects(mask.value_or(cv::Mat1b()), input.labels, label_set);
+  return input;
+}
+
+/// Motion as the mask has it, and what eq. (5) removes as a whole: all of a movable object of which enough moves.
+cv::Mat1b KeyframeInputs::withMovingObjects(const cv::Mat1b& mask, const cv::Mat1b& labels,
+                                            const LabelSet& label_set) const {
+  if (labels.empty() || (!mask.empty() && mask.size() != labels.size())) return mask;
+  cv::Mat1b removed;
+  decideDynamic(labels, label_set, mask, config_.segmentation.phi, &removed);
+  return mask.empty() ? removed : cv::Mat1b(cv::max(removed, mask));
+}
+
+void KeyframeInputs::report(StageDiagnostics::Status& status) const {
+  status.add("frames refused", converter_.refused());
+  status.add("keyframes without images", images_missing_.load());
+  status.add("keyframes without mask", masks_missing_.load());
+  status.add("keyframes without labels", labels_missing_.load());
+}
+
+void KeyframeInputs::close() {
+  mask_subscriber_.shutdown();
+  labels_subscriber_.shutdown();
+  images_.reset();
+  frames_.close();
+  masks_.close();
+  labels_.close();
+}
+
+}  // namespace semantic_vslam

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/ros/motion_mask_input.h"
+
+#include <ros/console.h>
+
+#include <chrono>
+
+#include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/ros/conversions.h"
+
+namespace semantic_vslam {
+
+MotionMaskInput::MotionMaskInput(ros::NodeHandle nh, const MotionMaskConfig& config) : config_(config) {
+  mask_subscriber_ = nh.subscribe("motion/mask", 10, &MotionMaskInput::onMask, this);
+  if (config_.init_wait_s > 0) {
+    labels_subscriber_ = nh.subscribe("segmentation/labels", 2, &MotionMaskInput::onLabels, this);
+  }
+}
+
+void MotionMaskInput::onMask(const sensor_msgs::ImageConstPtr& message) {
+  try {
+    masks_.put(fromRos(message->header.stamp), maskFromRos(message));
+  } catch (const Error& error) {
+    ROS_ERROR_THROTTLE(5.0, "mask refused: %s", error.what());
+  }
+}
+
+/// The first labels are in the motion masks from the next mask on.
+void MotionMaskInput::onLabels(const sensor_msgs::ImageConstPtr&) {
+  labels_in_masks_after_ns_ = masks_.newest().value_or(Stamp{}).ns;
+  labels_seen_ = true;
+  labels_subscriber_.shutdown();
+}
+
+bool MotionMaskInput::readyToStart(Stamp stamp) {
+  if (config_.init_wait_s <= 0) return true;
+  if (labels_seen_) return stamp.ns > labels_in_masks_after_ns_;
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  if (!waiting_since_) waiting_since_ = now;
+  if ((now - *waiting_since_).toSec() < config_.init_wait_s) return false;
+  ROS_WARN_ONCE("no labels within init_wait_s: starting without");
+  return true;
+}
+
+cv::Mat1b MotionMaskInput::maskOf(const std_msgs::Header& image, cv::Size size) {
+  const std::chrono::milliseconds budget(mask_subscriber_.getNumPublishers() > 0 ? config_.mask_budget_ms : 0);
+  const cv::Mat1b mask = masks_.waitFor(fromRos(image.stamp), budget).value_or(cv::Mat1b());
+  if (mask.empty() || mask.size() == size) return mask;
+  ROS_ERROR_THROTTLE(5.0, "motion/mask is %dx%d but the image %dx%d: tracked without", mask.cols, mask.rows, size.width,
+                     size.height);
+  return cv::Mat1b();
+}
+
+void MotionMaskInput::close() {
+  mask_subscriber_.shutdown();
+  labels_subscriber_.shutdown();
+  masks_.close();
+}
+
+}  // namespace semantic_vslam

@@ -30,9 +30,6 @@
 
 namespace semantic_vslam {
 
-// Keyframes of a new map wait until it is joined with the old one, 3.3 MB each at 640x480.
-constexpr std::size_t kMaxWaiting = 32;
-
 struct MappingNodeletConfig {
   std::string map_frame = "map";
   std::string output_directory = ".";
@@ -87,7 +84,7 @@ class MappingNodelet final : public nodelet::Nodelet {
   LabelSet label_set_;                     // worker only
   std::uint32_t map_id_ = 0;               // worker only
   std::vector<KeyframePose> poses_;        // worker only; newest known
-  WaitingKeyframes waiting_{kMaxWaiting};  // worker only
+  WaitingKeyframes waiting_;               // worker only
   std::optional<MapPublisher> publisher_;  // worker only
   std::atomic<bool> publication_due_{false};
   std::atomic<std::size_t> keyframes_{0}, voxels_{0}, waiting_count_{0};

@@ -153,7 +153,7 @@ void TrackingPublisher::publishKeyframe(KeyframeId id, Stamp stamp, const Keyfra
                                    [&](const KeyframeStamped& keyframe) { return KeyframeId(keyframe.id) == id; });
   if (placed != poses.keyframes.end()) {
     keyframe_.publish(*placed);
-  } else if (slam.awaitsPlace(id)) {
+  } else if (slam.holds(id)) {
     KeyframeStamped keyframe = toRos(KeyframePose{id, stamp, SE3::Identity()}, frames_.map_frame, map_id_);
     keyframe.placed = false;
     keyframe_.publish(keyframe);

@@ -9,7 +9,7 @@ namespace semantic_vslam {
 
 void WaitingKeyframes::add(DenseInput keyframe) {
   waiting_.push_back(std::move(keyframe));
-  if (waiting_.size() > most_) waiting_.pop_front();
+  if (waiting_.size() > kMost) waiting_.pop_front();
 }
 
 void WaitingKeyframes::place(const std::vector<KeyframePose>& poses, DenseMapper& map) {

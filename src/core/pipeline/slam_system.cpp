@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/pipeline/slam_system.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "semantic_vslam/core/common/config_fields.h"
@@ -18,9 +17,6 @@ constexpr std::size_t kKeyframeJobs = 16;
 // With more than these behind it a keyframe is mapped without labels, which would come too late for the motion stage,
 // too: the queue never fills up and makes tracking wait for the network.
 constexpr std::size_t kMostBehindSegmentation = 4;
-
-// Keyframes of a new map wait here until it is joined with the old one: 3.3 MB each at 640x480.
-constexpr std::size_t kMaxWaiting = 32;
 
 // While there is no map, labels are carried on by the motion stage for this long before a frame is segmented anew: k2
 // follows k1 at once, and where it does not fit people have moved on after half a second.
@@ -154,24 +150,14 @@ void SlamSystem::mapKeyframe(KeyframeJob job) {
   }
   if (!config_.dense.enabled) return;
   auto timer = times_.scope("dense_mapping", job.frame.index);
-  waiting_.push_back(std::move(job));
+  waiting_.add({job.id, std::move(job.frame), std::move(job.labels), std::move(job.dynamic)});
   mapPlaced();
 }
 
 void SlamSystem::mapPlaced() {
+  waiting_.keepOnly([this](KeyframeId id) { return slam_.holds(id); });
   const auto poses = slam_.keyframePoses();
-  std::deque<KeyframeJob> still_waiting;
-  for (KeyframeJob& job : waiting_) {
-    const auto own =
-        std::find_if(poses.begin(), poses.end(), [&](const auto& pose) { return pose.keyframe == job.id; });
-    if (own != poses.end()) {
-      dense_.add(job.id, job.frame, job.labels, job.dynamic, own->T_world_camera);
-    } else if (slam_.awaitsPlace(job.id)) {
-      still_waiting.push_back(std::move(job));
-    }
-  }
-  if (still_waiting.size() > kMaxWaiting) still_waiting.pop_front();
-  waiting_ = std::move(still_waiting);
+  waiting_.place(poses, dense_);
   dense_.updatePoses(poses);
 }
 

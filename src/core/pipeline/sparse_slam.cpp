@@ -272,9 +272,9 @@ std::vector<KeyframePose> SparseSlam::keyframePoses() const {
   return poses;
 }
 
-bool SparseSlam::awaitsPlace(KeyframeId keyframe) const {
+bool SparseSlam::holds(KeyframeId keyframe) const {
   std::lock_guard<std::mutex> lock(shared_.mutex);
-  return shared_.map.keyframe(keyframe) != nullptr && !shared_.map.isPlaced(keyframe);
+  return shared_.map.keyframe(keyframe) != nullptr;
 }
 
 std::size_t SparseSlam::keyframeCount() const {

@@ -19,7 +19,7 @@ DenseInput wall(std::uint64_t id) { return {KeyframeId(id), wallFrame(2.02F), cv
 
 TEST(WaitingKeyframes, EnterTheMapWhereTheyArePlacedAtLast) {
   DenseMapper map(DenseConfig(), threeLabels());
-  WaitingKeyframes waiting(8);
+  WaitingKeyframes waiting;
   waiting.add(wall(3));
   waiting.add(wall(5));
   waiting.place({poseOf(1, 0.0)}, map);
@@ -36,16 +36,17 @@ TEST(WaitingKeyframes, EnterTheMapWhereTheyArePlacedAtLast) {
 
 TEST(WaitingKeyframes, TheOldestGoWhenTheyAreTooMany) {
   DenseMapper map(DenseConfig(), threeLabels());
-  WaitingKeyframes waiting(2);
-  for (const std::uint64_t id : {1, 2, 3}) waiting.add(wall(id));
-  waiting.place({poseOf(1, 0.0)}, map);
+  WaitingKeyframes waiting;
+  for (std::uint64_t id = 0; id <= WaitingKeyframes::kMost; ++id) waiting.add(wall(id));
+  EXPECT_EQ(waiting.size(), WaitingKeyframes::kMost);
+  waiting.place({poseOf(0, 0.0)}, map);
   EXPECT_EQ(map.keyframes(), 0U);
-  waiting.place({poseOf(2, 0.0), poseOf(3, 0.0)}, map);
+  waiting.place({poseOf(1, 0.0), poseOf(2, 0.0)}, map);
   EXPECT_EQ(map.keyframes(), 2U);
 }
 
 TEST(WaitingKeyframes, ThoseThatNobodyWillPlaceAreDropped) {
-  WaitingKeyframes waiting(8);
+  WaitingKeyframes waiting;
   for (const std::uint64_t id : {1, 2, 3}) waiting.add(wall(id));
   waiting.keepOnly([](KeyframeId id) { return id != KeyframeId(2); });
   EXPECT_EQ(waiting.size(), 2U);

@@ -22,9 +22,9 @@ struct DenseInput {
 /// thread.
 class WaitingKeyframes {
  public:
-  /// @param most  that wait; above it the oldest goes. 3.3 MB each at 640x480
-  explicit WaitingKeyframes(std::size_t most) : most_(most) {}
+  static constexpr std::size_t kMost = 32;  ///< 3.3 MB each at 640x480
 
+  /// Adds one; of more than kMost the oldest goes.
   void add(DenseInput keyframe);
   /// Moves those that have a pose by now into the map, in the order they came.
   void place(const std::vector<KeyframePose>& poses, DenseMapper& map);
@@ -34,7 +34,6 @@ class WaitingKeyframes {
   std::size_t size() const { return waiting_.size(); }
 
  private:
-  const std::size_t most_;
   std::deque<DenseInput> waiting_;
 };
 

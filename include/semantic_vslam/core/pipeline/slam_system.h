@@ -12,6 +12,7 @@
 
 #include "semantic_vslam/core/common/bounded_queue.h"
 #include "semantic_vslam/core/dense/dense_mapper.h"
+#include "semantic_vslam/core/dense/waiting_keyframes.h"
 #include "semantic_vslam/core/eval/stage_timing.h"
 #include "semantic_vslam/core/motion/motion_detector.h"
 #include "semantic_vslam/core/pipeline/config.h"
@@ -111,7 +112,7 @@ class SlamSystem {
   SegmentationStage segmentation_;  // used by track() until initialised, then by the worker
   SparseSlam slam_;
   DenseMapper dense_;                     // used by the worker
-  std::deque<KeyframeJob> waiting_;       // used by the worker
+  WaitingKeyframes waiting_;              // used by the worker
   std::optional<Stamp> last_stamp_;       // used by observe()
   std::optional<Stamp> first_labels_;     ///< of the newest frame segmented while there was no map
   std::optional<KeyframeJob> candidate_;  ///< k1, until initialisation has made it the first keyframe

@@ -71,8 +71,8 @@ class SparseSlam {
   std::vector<TimedPose> trajectory() const;
   /// Of the keyframes whose place in the world is known.
   std::vector<KeyframePose> keyframePoses() const;
-  /// Whether a keyframe is in a new map that is not joined with the old one yet.
-  bool awaitsPlace(KeyframeId keyframe) const;
+  /// Whether a keyframe is in the map; one that is, but not among keyframePoses(), waits for its map to be joined.
+  bool holds(KeyframeId keyframe) const;
   std::size_t keyframeCount() const;
   std::size_t landmarkCount() const;
   std::size_t loopCount() const { return loops_.count(); }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <tuple>
@@ -19,13 +20,15 @@ constexpr int kBorder = 19;       // px; a rotated patch reaches sqrt(2) * 13 px
 
 using Pyramid = std::array<cv::Mat1b, kPyramidLevels>;
 
-Pyramid makePyramid(const cv::Mat1b& gray) {
+/// @param interpolation  cv::INTER_LINEAR is enough to find corners; descriptors are taken from INTER_LINEAR_EXACT, as
+/// OpenCV's ORB does (from the other one, trajectories come out 3 % worse)
+Pyramid makePyramid(const cv::Mat1b& gray, int interpolation) {
   Pyramid pyramid;
   pyramid[0] = gray;
   for (int level = 1; level < kPyramidLevels; ++level) {
     const double scale = 1.0 / pyramidScale(level);
     const cv::Size size(cvRound(gray.cols * scale), cvRound(gray.rows * scale));
-    cv::resize(pyramid[level - 1], pyramid[level], size, 0, 0, cv::INTER_LINEAR);
+    cv::resize(pyramid[level - 1], pyramid[level], size, 0, 0, interpolation);
   }
   return pyramid;
 }
@@ -49,25 +52,36 @@ struct Corner {
   int rank = 0;  // 0 = strongest of its cell
 };
 
+/// The disc over which orientation is measured, as rows of factors: one loop of fixed length for each, which compilers
+/// turn into vector instructions.
+struct Disc {
+  static constexpr int kRows = 2 * kPatchRadius + 1, kColumns = kRows + 1;  // the last column is empty
+  std::array<std::array<std::int16_t, kColumns>, kRows> inside{}, dx{};
+
+  Disc() {
+    for (int row = 0; row < kRows; ++row) {
+      const int dy = row - kPatchRadius;
+      const int half_width = static_cast<int>(std::sqrt(double(kPatchRadius * kPatchRadius - dy * dy)));
+      for (int x = -half_width; x <= half_width; ++x) {
+        inside[row][x + kPatchRadius] = 1;
+        dx[row][x + kPatchRadius] = static_cast<std::int16_t>(x);
+      }
+    }
+  }
+};
+
 /// Intensity-centroid orientation (Rublee et al. 2011, section 3.2). @return rad.
 float centroidAngle(const cv::Mat1b& image, int u, int v) {
-  static const auto half_width = [] {
-    std::array<int, kPatchRadius + 1> table{};
-    for (int dy = 0; dy <= kPatchRadius; ++dy) {
-      table[dy] = static_cast<int>(std::floor(std::sqrt(double(kPatchRadius * kPatchRadius - dy * dy))));
-    }
-    return table;
-  }();
+  static const Disc disc;
   int m01 = 0, m10 = 0;
-  for (int dy = -kPatchRadius; dy <= kPatchRadius; ++dy) {
-    const std::uint8_t* row = image.ptr(v + dy) + u;
-    const int width = half_width[std::abs(dy)];
+  for (int row = 0; row < Disc::kRows; ++row) {
+    const std::uint8_t* pixels = image.ptr(v + row - kPatchRadius) + u - kPatchRadius;
     int sum = 0;
-    for (int dx = -width; dx <= width; ++dx) {
-      m10 += dx * row[dx];
-      sum += row[dx];
+    for (int i = 0; i < Disc::kColumns; ++i) {
+      m10 += disc.dx[row][i] * pixels[i];
+      sum += disc.inside[row][i] * pixels[i];
     }
-    m01 += dy * sum;
+    m01 += (row - kPatchRadius) * sum;
   }
   return std::atan2(static_cast<float>(m01), static_cast<float>(m10));
 }
@@ -80,6 +94,8 @@ class CornerDetector {
     columns_ = std::max(1, (image.cols - 2 * kBorder) / config.cell_px);
     rows_ = std::max(1, (image.rows - 2 * kBorder) / config.cell_px);
   }
+
+  int cells() const { return columns_ * rows_; }
 
   std::vector<Corner> detect() {
     const cv::Rect inside(kBorder, kBorder, image_.cols - 2 * kBorder, image_.rows - 2 * kBorder);
@@ -136,18 +152,34 @@ class CornerDetector {
   std::vector<Corner> corners_;
 };
 
-/// Takes the strongest corner of every cell, then the second of every cell, and so on until the quota is full.
-void keepSpread(std::vector<Corner>& corners, int quota) {
-  std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
-    return std::tie(a.cell, b.response, a.px.y, a.px.x) < std::tie(b.cell, a.response, b.px.y, b.px.x);
-  });
-  for (std::size_t i = 1; i < corners.size(); ++i) {
-    if (corners[i].cell == corners[i - 1].cell) corners[i].rank = corners[i - 1].rank + 1;
+/// Sets each corner's rank among those of its cell, strongest first.
+void rankInCells(std::vector<Corner>& corners, int cells) {
+  std::vector<int> begin_of_cell(cells + 1, 0);
+  for (const Corner& corner : corners) ++begin_of_cell[corner.cell + 1];
+  for (int cell = 0; cell < cells; ++cell) begin_of_cell[cell + 1] += begin_of_cell[cell];
+  std::vector<Corner*> by_cell(corners.size());
+  std::vector<int> next(begin_of_cell.begin(), begin_of_cell.end() - 1);
+  for (Corner& corner : corners) by_cell[next[corner.cell]++] = &corner;
+  for (int cell = 0; cell < cells; ++cell) {
+    const auto begin = by_cell.begin() + begin_of_cell[cell], end = by_cell.begin() + begin_of_cell[cell + 1];
+    std::sort(begin, end, [](const Corner* a, const Corner* b) {
+      return std::tie(b->response, a->px.y, a->px.x) < std::tie(a->response, b->px.y, b->px.x);
+    });
+    for (auto it = begin; it != end; ++it) (*it)->rank = static_cast<int>(it - begin);
   }
-  std::stable_sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
-    return a.rank != b.rank ? a.rank < b.rank : a.response > b.response;
-  });
-  if (static_cast<int>(corners.size()) > quota) corners.resize(quota);
+}
+
+/// Takes the strongest corner of every cell, then the second of every cell, and so on until the quota is full.
+void keepSpread(std::vector<Corner>& corners, int cells, int quota) {
+  rankInCells(corners, cells);
+  const auto first = [](const Corner& a, const Corner& b) {
+    return std::tie(a.rank, b.response, a.cell) < std::tie(b.rank, a.response, b.cell);
+  };
+  if (static_cast<int>(corners.size()) > quota) {
+    std::nth_element(corners.begin(), corners.begin() + quota, corners.end(), first);
+    corners.resize(quota);
+  }
+  std::sort(corners.begin(), corners.end(), first);
 }
 
 float depthAt(const cv::Mat1f& depth_m, const cv::Point2f& px) {
@@ -175,16 +207,38 @@ struct OrbExtractor::Implementation {
       weights.push_back(corner.weight);
     };
     for (int level = 0; level < kPyramidLevels; ++level) {
-      auto corners = CornerDetector(config, pyramid[level], pyramidScale(level), dynamic).detect();
+      CornerDetector detector(config, pyramid[level], pyramidScale(level), dynamic);
+      auto corners = detector.detect();
       const auto first_masked = std::stable_partition(
           corners.begin(), corners.end(), [](const Corner& corner) { return corner.weight > kDynamicWeight; });
       for (auto it = first_masked; it != corners.end(); ++it) masked.emplace_back(*it, level);
       corners.erase(first_masked, corners.end());
-      keepSpread(corners, quota[level]);
+      keepSpread(corners, detector.cells(), quota[level]);
       for (const Corner& corner : corners) keep(corner, level);
     }
     fillFromMasked(masked, static_cast<int>(keypoints.size()), keep);
     return keypoints;
+  }
+
+  /// Describes key points level by level, so that OpenCV need not build its own, bordered pyramid for all of them.
+  cv::Mat1b describe(const Pyramid& pyramid, const std::vector<cv::KeyPoint>& keypoints) const {
+    cv::Mat1b descriptors(static_cast<int>(keypoints.size()), 32);
+    for (int level = 0; level < kPyramidLevels; ++level) {
+      const float scale = static_cast<float>(pyramidScale(level));
+      std::vector<cv::KeyPoint> of_level;
+      for (int i = 0; i < static_cast<int>(keypoints.size()); ++i) {
+        if (keypoints[i].octave != level) continue;
+        of_level.push_back(keypoints[i]);
+        of_level.back().pt /= scale;
+        of_level.back().octave = 0;
+        of_level.back().class_id = i;
+      }
+      if (of_level.empty()) continue;
+      cv::Mat rows;
+      descriptor->compute(pyramid[level], of_level, rows);
+      for (int i = 0; i < rows.rows; ++i) rows.row(i).copyTo(descriptors.row(of_level[i].class_id));
+    }
+    return descriptors;
   }
 
   template <class Keep>
@@ -205,20 +259,18 @@ OrbExtractor::OrbExtractor(const OrbConfig& config) : implementation_(std::make_
   implementation_->config = config;
   implementation_->quota = quotaPerLevel(config.features);
   // OpenCV's ORB only describes here: it keeps every key point it is given (nfeatures does not cut in compute()).
-  implementation_->descriptor =
-      cv::ORB::create(config.features, static_cast<float>(kPyramidScale), kPyramidLevels, kBorder, 0, 2,
-                      cv::ORB::FAST_SCORE, 2 * kPatchRadius + 1, config.fast_threshold);
+  implementation_->descriptor = cv::ORB::create(config.features, static_cast<float>(kPyramidScale), 1, kBorder, 0, 2,
+                                                cv::ORB::FAST_SCORE, 2 * kPatchRadius + 1, config.fast_threshold);
 }
 
 OrbExtractor::~OrbExtractor() = default;
 
 FrameFeatures OrbExtractor::extract(const RgbdFrame& frame, const cv::Mat1b& dynamic) const {
   std::vector<float> weights;
-  auto keypoints = implementation_->detect(makePyramid(frame.gray), dynamic, weights);
+  const Pyramid pyramid = makePyramid(frame.gray, cv::INTER_LINEAR);
+  const auto keypoints = implementation_->detect(pyramid, dynamic, weights);
   FrameFeatures out;
-  cv::Mat descriptors;
-  implementation_->descriptor->compute(frame.gray, keypoints, descriptors);
-  out.descriptors = descriptors.empty() ? cv::Mat1b(0, 32) : cv::Mat1b(descriptors);
+  out.descriptors = implementation_->describe(makePyramid(frame.gray, cv::INTER_LINEAR_EXACT), keypoints);
   out.features.reserve(keypoints.size());
   for (const auto& keypoint : keypoints) {
     Feature feature;

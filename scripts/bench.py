@@ -68,6 +68,7 @@ def run_once(sequence, camera, out_dir, options=()):
             "landmarks": summary["landmarks"], "ate_rmse_m": errors["ate_m"]["rmse"],
             "rpe_rmse_m": errors["rpe_translation_m"]["rmse"],
             **{f"mask_{key}": (summary["mask"] or {}).get(key) for key in ("iou", "precision", "recall")},
+            "peak_memory_mb": summary["peak_memory_mb"], "start_s": summary["start_s"],
             "initialising": summary["frames_in_state"].get("INITIALISING", 0), "dropped_late": summary["dropped_late"],
             "latency_ms": summary["latency_ms"],
             "cpu_ms": stage_times(os.path.join(out_dir, "timing.csv"))}
@@ -75,14 +76,16 @@ def run_once(sequence, camera, out_dir, options=()):
 
 def table(results):
     """`results`: {sequence: [one dict a run]}. Median over the runs; for the ATE also the worst."""
-    lines = [f"{'sequence':16}{'runs':>5}{'posed %':>9}{'ATE mm':>9}{'worst':>8}{'RPE mm/s':>10}{'keyframes':>11}{'landmarks':>11}"]
+    lines = [f"{'sequence':16}{'runs':>5}{'posed %':>9}{'ATE mm':>9}{'worst':>8}{'RPE mm/s':>10}{'keyframes':>11}{'landmarks':>11}"
+             f"{'peak MB':>9}{'start s':>9}"]
     for name, runs in results.items():
         def median(key):
             return statistics.median(r[key] for r in runs)
         posed = 100 * statistics.median(r["posed"] / r["frames"] for r in runs)
         lines.append(f"{name:16}{len(runs):5}{posed:9.1f}{1e3 * median('ate_rmse_m'):9.1f}"
                      f"{1e3 * max(r['ate_rmse_m'] for r in runs):8.1f}{1e3 * median('rpe_rmse_m'):10.1f}"
-                     f"{median('keyframes'):11.0f}{median('landmarks'):11.0f}")
+                     f"{median('keyframes'):11.0f}{median('landmarks'):11.0f}"
+                     f"{max(r['peak_memory_mb'] for r in runs):9.0f}{median('start_s'):9.2f}")
     for name, runs in results.items():
         lines += ["", f"{name + ': CPU ms':34}{'median':>9}{'p95':>9}"]
         for stage in runs[0]["cpu_ms"]:
@@ -104,6 +107,10 @@ def parse_arguments():
     part.add_argument("--recovery", dest="part", action="store_const", const="recovery",
                       help=bench_recovery.recovery.__doc__.splitlines()[0] + " Of the first sequence")
     part.add_argument("--loops", dest="part", action="store_const", const="loops", help=bench_map.loops.__doc__)
+    part.add_argument("--places", dest="part", action="store_const", const="places", help=bench_map.places.__doc__)
+    part.add_argument("--backend", dest="part", action="store_const", const="backend",
+                      help="All figures of the first sequence and its map in one table, with --places, --recovery, "
+                           "--growth and --loops, each beside what is asked. Takes hours with all --seeds")
     part.add_argument("--growth", dest="part", action="store_const", const="growth", help=bench_map.growth.__doc__)
     parser.add_argument("--seeds", type=int, default=bench_map.LOOP_SEEDS, help="seeds of --loops (default %(default)s)")
     return parser.parse_args()
@@ -140,6 +147,29 @@ def run_table(sequences, camera, runs, out_dir):
     return results
 
 
+def run_map_part(name, sequence, camera, seeds):
+    """One of the parts about the map. @return numbers, text"""
+    def say(line):
+        print(f"[bench] {line}", flush=True)
+    if name == "recovery":
+        return bench_recovery.recovery(run, os.path.join(PROGRAMS, "measure_recovery"), sequence, camera)
+    if name == "loops":
+        return bench_map.loops(run, PROGRAMS, say, range(1, seeds + 1))
+    return {"places": bench_map.places, "growth": bench_map.growth}[name](run, PROGRAMS, sequence, camera)
+
+
+def run_backend(sequence, camera, runs, seeds, out_dir):
+    """Everything about the map. @return numbers, text"""
+    label = os.path.basename(os.path.normpath(sequence))
+    results = {label: run_table([sequence], camera, runs, out_dir)[label]}
+    text = f"{label}\n" + bench_map.figures(results[label])
+    for name in ("places", "recovery", "growth", "loops"):
+        print(f"[bench] {name}", flush=True)
+        results[name], part = run_map_part(name, sequence, camera, seeds)
+        text += f"\n{name}\n{part}"
+    return results, text
+
+
 def main():
     arguments = parse_arguments()
     sequences = arguments.sequences or [os.path.join(DATA, name) for name in DEFAULT_SEQUENCES]
@@ -148,14 +178,10 @@ def main():
             raise BenchError(f"{sequence} is no TUM folder with a groundtruth.txt; give one: ./run bench DIR...")
     out_dir = os.path.join(ROOT, "out", "bench")
     os.makedirs(out_dir, exist_ok=True)
-    if arguments.part == "recovery":
-        program = os.path.join(PROGRAMS, "measure_recovery")
-        results, text = bench_recovery.recovery(run, program, sequences[0], arguments.camera)
-    elif arguments.part == "loops":
-        results, text = bench_map.loops(run, PROGRAMS, lambda line: print(f"[bench] {line}", flush=True),
-                                        range(1, arguments.seeds + 1))
-    elif arguments.part == "growth":
-        results, text = bench_map.growth(run, PROGRAMS, sequences[0], arguments.camera)
+    if arguments.part in ("recovery", "loops", "growth", "places"):
+        results, text = run_map_part(arguments.part, sequences[0], arguments.camera, arguments.seeds)
+    elif arguments.part == "backend":
+        results, text = run_backend(sequences[0], arguments.camera, arguments.runs or 1, arguments.seeds, out_dir)
     elif arguments.part:
         network = default_network() if arguments.network is None else arguments.network
         results, text = run_part(arguments.part, sequences, arguments.camera, arguments.runs or 1, network, out_dir)

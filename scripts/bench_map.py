@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The parts of `./run bench` about the map as a whole: loops in rendered rooms, and growth over many passes."""
+"""The parts of `./run bench` about the map: what a run of a sequence gives, places recognised, loops, growth over passes."""
 import concurrent.futures
 import json
 import os
@@ -12,6 +12,12 @@ MOST_ATE_MM = 30
 MOST_SHARE_OF_BEFORE = 1 / 3
 CORRIDORS = ("corridor", "corridor_identical")  # seeds take turns
 MOST_GROWTH = 0.20
+MOST_QUERY_MS = 5
+# As asked of a recording without people at 640x480, 1000 features a frame.
+MOST_ATE_OF_SEQUENCE_MM, MOST_RPE_MM = 10.0, 16.0
+MOST_TRACKING_MS = (15, 25)  # median, 95th percentile
+MOST_MEMORY_MB = 300
+MOST_START_S = 1
 
 # Every second frame of a 30 Hz camera: a seed takes two to three minutes of CPU time, most of it to render.
 RENDERING = ("--size", "640x480", "--fps", "15")
@@ -61,6 +67,47 @@ def loops(run, programs, say, seeds):
         _row("corridor: ATE, mm (median, worst)", _median_and_worst([1e3 * r["ate_m"] for r in corridors]), "", True),
         _row(f"false loops in {len(rounds)} + {len(corridors)} seeds", str(false), "none", false == 0)]
     return {"loop": rounds, "corridor": corridors}, "\n".join(lines) + "\n"
+
+
+def figures(runs):
+    """What was asked of one sequence, from its runs (see bench.run_once). @return text"""
+    median = {key: statistics.median(r[key] for r in runs)
+              for key in ("ate_rmse_m", "rpe_rmse_m", "peak_memory_mb", "start_s")}
+    posed = min(r["posed"] / r["frames"] for r in runs)
+    ate_mm, worst_mm = 1e3 * median["ate_rmse_m"], 1e3 * max(r["ate_rmse_m"] for r in runs)
+    tracking = [statistics.median(r["cpu_ms"]["tracking"][i] for r in runs) for i in (0, 1)]
+    memory = max(r["peak_memory_mb"] for r in runs)
+    lines = [
+        _row("frames posed, % (worst run)", f"{100 * posed:.1f}", "100", posed == 1),
+        _row("ATE, mm (median, worst)", f"{ate_mm:.1f}, {worst_mm:.1f}", f"at most {MOST_ATE_OF_SEQUENCE_MM:.1f}",
+             round(ate_mm, 1) <= MOST_ATE_OF_SEQUENCE_MM),
+        _row("RPE over 1 s, mm", f"{1e3 * median['rpe_rmse_m']:.1f}", f"at most {MOST_RPE_MM:.1f}",
+             round(1e3 * median["rpe_rmse_m"], 1) <= MOST_RPE_MM),
+        _row("tracking CPU, ms (median, p95)", f"{tracking[0]:.1f}, {tracking[1]:.1f}",
+             "at most {}, {}".format(*MOST_TRACKING_MS), all(t <= most for t, most in zip(tracking, MOST_TRACKING_MS))),
+        _row("peak memory, MB (worst run)", f"{memory:.0f}", f"at most {MOST_MEMORY_MB}", memory <= MOST_MEMORY_MB),
+        _row("process start to first frame, s", f"{median['start_s']:.2f}", f"under {MOST_START_S}",
+             median["start_s"] < MOST_START_S)]
+    return "\n".join(lines) + "\n"
+
+
+def places(run, programs, sequence, camera):
+    """Place recognition on the first sequence and a rendered loop: precision and recall on revisits, time of a query."""
+    program = os.path.join(programs, "measure_places")
+    results, lines = {}, []
+    for name, options in (("sequence", (sequence, "--camera", camera)), ("rendered loop", ("--scenario", "loop"))):
+        numbers = results[name] = json.loads(run([program, *options]))
+        scores = numbers["least_scores"]
+        lines.append(f"{name}: {numbers['revisits']} of {numbers['keyframes']} keyframes see an old place again; "
+                     f"a candidate is looked at from a score of {numbers['used_least_score']:g} on")
+        lines.append(f"  {'precision / recall, %, from a score of':40}" + "".join(f"{score:>14g}" for score in scores))
+        for way in ("index", "one_tree", "four_trees"):
+            curve = numbers[way]
+            cells = [f"{100 * p:.1f} / {100 * r:.1f}" for p, r in zip(curve["precision"], curve["recall"])]
+            lines.append(f"  {way.replace('_', ' '):40}" + "".join(f"{cell:>14}" for cell in cells))
+        lines.append(_row("place query at 1000 keyframes, CPU ms", f"{numbers['query_ms']:.1f}",
+                          f"at most {MOST_QUERY_MS}", numbers["query_ms"] <= MOST_QUERY_MS))
+    return results, "\n".join(lines) + "\n"
 
 
 def growth(run, programs, sequence, camera):

@@ -237,11 +237,13 @@ int run(const Arguments& arguments, const SystemConfig& config) {
   source->skip(options.start);
   const std::size_t wanted = std::min(options.frames, source->size() - options.start);
   Output output(options, system, wanted);
+  const double start_s = secondsSinceProcessStart();
   const auto begin = Clock::now();
   (options.realtime ? runInRealTime : runInOrder)(*source, wanted, system, output);
   output.end();
   system.finish();
   RunReport& report = output.report();
+  report.start_s = start_s;
   report.wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
   report.interrupted = stop_requested != 0;
   report.skipped_broken = source->skippedBroken();

@@ -2,9 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/eval/run_report.h"
 
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <numeric>
+#include <sstream>
+#include <string>
 
 #include "semantic_vslam/core/io/json_writer.h"
 
@@ -121,6 +127,7 @@ std::string toJson(const RunReport& r) {
   }
   json.field("cloud_points", r.cloud_points);
   json.field("voxels", r.voxels);
+  json.field("start_s", r.start_s);
   json.field("wall_s", r.wall_s);
   json.field("peak_memory_mb", r.peak_memory_mb);
   json.field("interrupted", r.interrupted);
@@ -171,6 +178,21 @@ double peakMemoryMb() {
     if (key == "VmHWM:" && status >> kilobytes) return kilobytes / 1024.0;
   }
   return 0.0;
+}
+
+double secondsSinceProcessStart() {
+  std::ifstream stat("/proc/self/stat");
+  std::string line;
+  std::getline(stat, line);
+  // The second field is the name in brackets and may hold anything; the start in clock ticks since boot is the 22nd.
+  std::istringstream fields(line.substr(std::min(line.size(), line.rfind(')') + 1)));
+  std::string skipped;
+  for (int field = 3; field < 22; ++field) fields >> skipped;
+  double start_ticks = 0.0;
+  timespec now{};
+  if (!(fields >> start_ticks) || clock_gettime(CLOCK_BOOTTIME, &now) != 0) return 0.0;
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec) -
+         start_ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
 }  // namespace semantic_vslam

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <thread>
+
 namespace semantic_vslam {
 namespace {
 
@@ -62,6 +65,14 @@ TEST(PeakMemory, GrowsWithWhatIsTouched) {
   ASSERT_GT(before_mb, 1.0);
   std::vector<char> block(64 << 20, 1);
   EXPECT_GT(peakMemoryMb(), before_mb + 50.0 * (block[12345] != 0));
+}
+
+TEST(RunReport, TimeSinceTheProcessStartedGoesOn) {
+  const double before_s = secondsSinceProcessStart();
+  EXPECT_GE(before_s, 0.0);
+  EXPECT_LT(before_s, 600.0) << "this program has not run for longer";
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  EXPECT_GE(secondsSinceProcessStart(), before_s + 0.02);
 }
 
 }  // namespace

@@ -35,6 +35,7 @@ struct RunReport {
   std::map<std::string, std::size_t> frames_in_state;
   std::vector<FrameMotion> motion;  ///< one a frame given
   std::size_t cloud_points = 0, voxels = 0;
+  double start_s = 0.0;  ///< from the start of the process to the first frame
   double wall_s = 0.0;
   double peak_memory_mb = 0.0;
   std::vector<StageSummary> stages;
@@ -57,5 +58,7 @@ std::string toText(const RunReport& report);
 
 /// @return highest resident memory of this process so far (VmHWM), MB; 0 where the system does not tell.
 double peakMemoryMb();
+/// @return time since this process was started, to 0.01 s; 0 where the system does not tell.
+double secondsSinceProcessStart();
 
 }  // namespace semantic_vslam

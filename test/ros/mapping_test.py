@@ -68,22 +68,32 @@ class MappingTest(unittest.TestCase):
         points = sensor_msgs.point_cloud2.read_points(cls.cloud, ("z",)) if cls.cloud else ()
         return {round(z, 1) for (z,) in points}
 
-    def publish_wall(self):
-        stamp = rospy.Time.now()
-        for publisher, message in reversed(list(zip(self.images, wall(stamp)))):
+    @classmethod
+    def publish_wall(cls, _=None):
+        cls.stamp = rospy.Time.now()
+        for publisher, message in reversed(list(zip(cls.images, wall(cls.stamp)))):
             publisher.publish(message)
-        return stamp
+
+    def name(self, number, placed):
+        """Names the newest frame as a keyframe."""
+        self.keyframes.publish(keyframe(number, self.stamp, placed))
 
     def test_a_keyframe_of_a_new_map_enters_when_that_is_joined(self):
-        first, second = self.publish_wall(), self.publish_wall()
-        self.keyframes.publish(keyframe(1, first, placed=True))
-        self.keyframes.publish(keyframe(2, second, placed=False))
-        wait_until(lambda: self.distances() == {WALL_M}, "the first keyframe in the map")
-        for _ in range(40):  # more than the node keeps of images
-            self.publish_wall()
-            time.sleep(0.02)
+        def first_is_there():
+            self.name(1, placed=True)  # again and again: the node may not have had the calibration in time
+            return self.distances() == {WALL_M}
+
+        self.publish_wall()
+        camera = rospy.Timer(rospy.Duration(0.05), self.publish_wall)
+        wait_until(first_is_there, "the first keyframe in the map")
+        for _ in range(3):
+            self.name(2, placed=False)
+            time.sleep(0.1)
+        time.sleep(2.5)  # more frames than the node keeps
+        camera.shutdown()
         self.assertEqual(self.distances(), {WALL_M})
-        poses = KeyframePoseArray(map_id=1, keyframes=[keyframe(1, first, True), keyframe(2, second, True, z_m=3.0)])
+        poses = KeyframePoseArray(map_id=1, keyframes=[keyframe(1, self.stamp, placed=True),
+                                                       keyframe(2, self.stamp, placed=True, z_m=3.0)])
         poses.header.frame_id = "map"
         self.poses.publish(poses)
         wait_until(lambda: self.distances() == {WALL_M, WALL_M + 3.0}, "the second one where it was placed")

@@ -14,8 +14,9 @@ namespace {
 
 // Keyframes wait here for segmentation and dense mapping; about two seconds of them at a lively pace.
 constexpr std::size_t kKeyframeJobs = 16;
-// With more than these behind it a keyframe is mapped without labels, which would come too late for the motion stage,
-// too: the queue never fills up and makes tracking wait for the network.
+// With more than these behind it a keyframe is passed over: its labels would come too late for the motion stage,
+// without them a person who stands still would enter the map, and tracking must not wait for the network. Neighbours
+// show the same place.
 constexpr std::size_t kMostBehindSegmentation = 4;
 
 // While there is no map, labels are carried on by the motion stage for this long before a frame is segmented anew: k2
@@ -143,8 +144,8 @@ void SlamSystem::submit(KeyframeJob job) {
 }
 
 void SlamSystem::mapKeyframe(KeyframeJob job) {
-  const bool in_time = keyframe_jobs_.size() <= kMostBehindSegmentation;
-  if (job.labels.empty() && segmentation_.enabled() && in_time) {
+  if (job.labels.empty() && segmentation_.enabled()) {
+    if (keyframe_jobs_.size() > kMostBehindSegmentation) return;
     job.labels = segment(job.frame);
     job.dynamic = unite(job.dynamic, removalMask(job.labels, job.moving));
   }

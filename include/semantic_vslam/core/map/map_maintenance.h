@@ -15,7 +15,7 @@ struct MapMaintenanceConfig {
   int min_new_points = 100;
   double min_found_share = 0.25;
   int probation_keyframes = 3;
-  double redundant_share = 0.9;
+  double redundant_share = 0.85;
   double fuse_radius_px = 3.0;
   int fuse_neighbours = 10;
   int min_tree_keyframes = 5;
@@ -29,8 +29,10 @@ struct MapMaintenanceConfig {
         "a landmark on probation is dropped if it is found in less than this share of the frames that should see it");
     v.field("probation_keyframes", probation_keyframes, 1, 20,
             "keyframes within which a new landmark must be seen by a second one");
-    v.field("redundant_share", redundant_share, 0.5, 1.0,
-            "a keyframe is dropped when this share of its close landmarks is seen by 3 others, as large or larger");
+    v.field(
+        "redundant_share", redundant_share, 0.5, 1.0,
+        "a keyframe is dropped when this share of its close landmarks is seen by 3 others, as large or larger; 0.85 "
+        "instead of ORB-SLAM2's 0.9 keeps a map of one place from growing: 5 % in ten passes");
     v.field("fuse_radius_px", fuse_radius_px, 0.5, 20.0, "search radius for duplicates of a landmark, px at full size");
     v.field("fuse_neighbours", fuse_neighbours, 1, 50,
             "covisible keyframes whose landmarks are merged with a new one's");

@@ -31,18 +31,6 @@ constexpr const char* kUsage =
     "  --max-gap S     poses further apart in time are not compared, s (0.02)\n"
     "  --scale         also align the scale (the benchmark does not)\n";
 
-void writeStatistics(JsonWriter& json, const char* name, const ErrorStatistics& s) {
-  json.beginObject(name);
-  json.field("rmse", s.rmse);
-  json.field("mean", s.mean);
-  json.field("median", s.median);
-  json.field("std", s.stddev);
-  json.field("min", s.min);
-  json.field("max", s.max);
-  json.field("count", s.count);
-  json.endObject();
-}
-
 struct Evaluation {
   std::size_t truth_poses = 0, estimate_poses = 0;
   AbsoluteTrajectoryError absolute;
@@ -57,9 +45,9 @@ std::string toJson(const Evaluation& e) {
   json.field("matched_share", static_cast<double>(e.absolute.matches.size()) / static_cast<double>(e.estimate_poses));
   json.field("scale", e.absolute.truth_from_estimate.scale);
   json.field("rpe_delta_s", e.delta_s);
-  writeStatistics(json, "ate_m", e.absolute.translation_m);
-  writeStatistics(json, "rpe_translation_m", e.relative.translation_m);
-  writeStatistics(json, "rpe_rotation_deg", e.relative.rotation_deg);
+  write(json, "ate_m", e.absolute.translation_m);
+  write(json, "rpe_translation_m", e.relative.translation_m);
+  write(json, "rpe_rotation_deg", e.relative.rotation_deg);
   return json.finish();
 }
 

@@ -17,18 +17,6 @@
 namespace semantic_vslam {
 namespace {
 
-void write(JsonWriter& json, const char* name, const ErrorStatistics& s) {
-  json.beginObject(name);
-  json.field("rmse", s.rmse);
-  json.field("mean", s.mean);
-  json.field("median", s.median);
-  json.field("std", s.stddev);
-  json.field("min", s.min);
-  json.field("max", s.max);
-  json.field("count", s.count);
-  json.endObject();
-}
-
 void write(JsonWriter& json, const char* name, const TimeQuantiles& time) {
   json.beginObject(name);
   json.field("median", time.median_ms);

@@ -64,6 +64,18 @@ ErrorStatistics statisticsOf(const std::vector<double>& errors) {
   return statistics;
 }
 
+void write(JsonWriter& json, const char* name, const ErrorStatistics& statistics) {
+  json.beginObject(name);
+  json.field("rmse", statistics.rmse);
+  json.field("mean", statistics.mean);
+  json.field("median", statistics.median);
+  json.field("std", statistics.stddev);
+  json.field("min", statistics.min);
+  json.field("max", statistics.max);
+  json.field("count", statistics.count);
+  json.endObject();
+}
+
 AbsoluteTrajectoryError absoluteTrajectoryError(const std::vector<TimedPose>& truth,
                                                 const std::vector<TimedPose>& estimate, double max_gap_s,
                                                 bool with_scale) {

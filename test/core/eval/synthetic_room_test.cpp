@@ -10,23 +10,14 @@
 #include <set>
 #include <thread>
 
+#include "../support/quarter_vga.h"
 #include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
 namespace {
 
-CameraIntrinsics smallCamera() {
-  CameraIntrinsics k;
-  k.width = 320;
-  k.height = 240;
-  k.fx = k.fy = 262.5;
-  k.cx = 159.5;
-  k.cy = 119.5;
-  return k;
-}
-
 CameraIntrinsics distortedCamera() {
-  CameraIntrinsics k = smallCamera();
+  CameraIntrinsics k = quarterVga();
   k.distortion = {0.262383, -0.953104, -0.005358, 0.002628, 1.163314};
   return k;
 }
@@ -55,7 +46,7 @@ double share(const cv::Mat1b& mask) {
 
 TEST(SyntheticRoom, GivesTheSameBytesForTheSameSeedInAnyOrderAndFromAnyThread) {
   const Scenario scenario = makeScenario("walking", 3, 10.0);
-  const SyntheticRoom first(scenario, smallCamera()), second(scenario, smallCamera());
+  const SyntheticRoom first(scenario, quarterVga()), second(scenario, quarterVga());
   const SyntheticFrame a = first.render(4.0);
   second.render(7.5);
   SyntheticFrame b, c;
@@ -70,7 +61,7 @@ TEST(SyntheticRoom, GivesTheSameBytesForTheSameSeedInAnyOrderAndFromAnyThread) {
 TEST(SyntheticRoom, LooksDifferentForEachOfTwentySeeds) {
   std::vector<cv::Mat1b> seen;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    const SyntheticRoom room(makeScenario("walking", seed, 6.0), smallCamera());
+    const SyntheticRoom room(makeScenario("walking", seed, 6.0), quarterVga());
     const SyntheticFrame frame = room.render(3.0);
     for (const auto& other : seen)
       EXPECT_GT(cv::norm(frame.frame.gray, other, cv::NORM_L1) / static_cast<double>(other.total()), 12.0);
@@ -105,7 +96,7 @@ std::pair<double, double> colorErrorAfterReprojection(const SyntheticFrame& a, c
 }
 
 TEST(SyntheticRoom, ShowsAPointInTwoFramesWhereDepthAndPosesSayItIs) {
-  for (const CameraIntrinsics& intrinsics : {smallCamera(), distortedCamera()}) {
+  for (const CameraIntrinsics& intrinsics : {quarterVga(), distortedCamera()}) {
     Scenario scenario = makeScenario("static", 5, 10.0);
     scenario.sensor = idealSensor();
     const SyntheticRoom room(scenario, intrinsics);
@@ -128,7 +119,7 @@ TEST(SyntheticRoom, HasMasksThatAgreeWithEachOtherAndWithDepth) {
   scenario.sensor = idealSensor();
   Scenario empty = scenario;
   empty.people.clear();
-  const SyntheticRoom room(scenario, smallCamera()), empty_room(empty, smallCamera());
+  const SyntheticRoom room(scenario, quarterVga()), empty_room(empty, quarterVga());
   double person_share = 0.0;
   for (double t = 2.0; t < 20.0; t += 3.0) {
     const SyntheticFrame frame = room.render(t), without = empty_room.render(t);
@@ -147,7 +138,7 @@ TEST(SyntheticRoom, HasMasksThatAgreeWithEachOtherAndWithDepth) {
 }
 
 TEST(SyntheticRoom, CallsAPersonWhoPausesStillAndAPushedChairMoving) {
-  const SyntheticRoom chair(makeScenario("pushed_chair", 1), smallCamera());
+  const SyntheticRoom chair(makeScenario("pushed_chair", 1), quarterVga());
   const SyntheticFrame pushed = chair.render(4.0);
   const cv::Mat1b moving_chair = (pushed.labels == synthetic::kChair) & pushed.moving_mask;
   EXPECT_GT(share(moving_chair), 0.01);
@@ -155,12 +146,12 @@ TEST(SyntheticRoom, CallsAPersonWhoPausesStillAndAPushedChairMoving) {
   const SyntheticFrame left_alone = chair.render(14.0);
   EXPECT_EQ(cv::countNonZero((left_alone.labels == synthetic::kChair) & left_alone.moving_mask), 0);
 
-  const SyntheticRoom pause(makeScenario("pause", 1), smallCamera());
+  const SyntheticRoom pause(makeScenario("pause", 1), quarterVga());
   const SyntheticFrame paused = pause.render(3.0);
   EXPECT_GT(share(paused.person_mask), 0.05);
   EXPECT_LT(share(paused.moving_mask), 0.1 * share(paused.person_mask));
 
-  const SyntheticRoom empty(makeScenario("static", 1), smallCamera());
+  const SyntheticRoom empty(makeScenario("static", 1), quarterVga());
   EXPECT_EQ(cv::countNonZero(empty.render(3.0).moving_mask), 0);
 }
 
@@ -182,7 +173,7 @@ TEST(SyntheticRoom, GivesOrbPlentyOfFeaturesSpreadOverTheImage) {
 
 TEST(SyntheticRoom, HasANearMoverThatCoversMostOfTheImage) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const SyntheticRoom room(makeScenario("near_mover", seed), smallCamera());
+    const SyntheticRoom room(makeScenario("near_mover", seed), quarterVga());
     int covered = 0;
     for (double t = 4.0; t < 15.0; t += 0.5) covered += share(room.render(t).person_mask) > 0.5 ? 1 : 0;
     EXPECT_GE(covered, 8) << "of 22 moments, seed " << seed;
@@ -192,7 +183,7 @@ TEST(SyntheticRoom, HasANearMoverThatCoversMostOfTheImage) {
 TEST(SyntheticRoom, ShowsEveryClassInAFewRandomViews) {
   std::vector<double> largest_share(synthetic::kLabelCount, 0.0);
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-    const SyntheticRoom room(makeRandomView(seed), smallCamera());
+    const SyntheticRoom room(makeRandomView(seed), quarterVga());
     const SyntheticFrame view = room.render(kRandomViewTimeS);
     double labelled = 0.0;
     for (int label = 0; label < synthetic::kLabelCount; ++label) {

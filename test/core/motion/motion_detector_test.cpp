@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "../support/quarter_vga.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/rng.h"
 
@@ -15,23 +16,13 @@ namespace semantic_vslam {
 namespace {
 
 /// Half of VGA: the motion stage works on 320 px anyway.
-CameraIntrinsics smallCamera() {
-  CameraIntrinsics k;
-  k.width = 320;
-  k.height = 240;
-  k.fx = k.fy = 262.5;
-  k.cx = 159.5;
-  k.cy = 119.5;
-  return k;
-}
-
 RgbdFrame texturedFrame(int index, float depth_m, int shift_px) {
   Rng rng(4);
   cv::Mat1b large(300, 400);
   for (uchar& value : large) value = static_cast<uchar>(rng.below(256));
   cv::GaussianBlur(large, large, {0, 0}, 3.0);
   cv::normalize(large, large, 0, 255, cv::NORM_MINMAX);
-  static const auto camera = std::make_shared<const CameraModel>(smallCamera());
+  static const auto camera = std::make_shared<const CameraModel>(quarterVga());
   const cv::Mat1b gray = large(cv::Rect(40 - shift_px, 30, 320, 240)).clone();
   return makeRgbdFrame(static_cast<std::uint64_t>(index), Stamp::fromSeconds(1.0 + 0.033 * index), gray,
                        cv::Mat1f(240, 320, depth_m), 0.001, camera);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "../support/quarter_vga.h"
 #include "semantic_vslam/core/eval/mask_score.h"
 #include "semantic_vslam/core/eval/synthetic_room.h"
 #include "semantic_vslam/core/motion/motion_detector.h"
@@ -13,16 +14,6 @@ namespace semantic_vslam {
 namespace {
 
 /// Half of VGA keeps the rendering short; the motion stage works on 320 px anyway.
-CameraIntrinsics smallCamera() {
-  CameraIntrinsics k;
-  k.width = 320;
-  k.height = 240;
-  k.fx = k.fy = 262.5;
-  k.cx = 159.5;
-  k.cy = 119.5;
-  return k;
-}
-
 /// Recall counts what moves in that frame; what is found on a person who stands still is no false alarm.
 struct Score {
   MaskScore against_moving, against_people_and_moving;
@@ -36,7 +27,7 @@ struct Score {
 
 /// Runs part of a scenario. Frames up to settle_frames are fed but not scored.
 Score runScenario(const std::string& name, double from_s, double to_s, int settle_frames, const MotionConfig& config) {
-  const SyntheticRoom room(makeScenario(name, 3), smallCamera());
+  const SyntheticRoom room(makeScenario(name, 3), quarterVga());
   MotionDetector detector(config);
   Score score;
   int index = 0;

@@ -230,7 +230,7 @@ TEST_F(RigidScene, HomographyIsRecoveredAmongMovers) {
     f += cv::Vec2f(static_cast<float>(0.03 * rng.normal()), static_cast<float>(0.03 * rng.normal()));
   const HomographyMotion motion = estimateHomography(current, measured, {}, grid, HomographyConfig());
   ASSERT_TRUE(motion.valid);
-  for (const cv::Vec2d corner : {cv::Vec2d(70, 5), cv::Vec2d(155, 5), cv::Vec2d(155, 115), cv::Vec2d(70, 115)}) {
+  for (const cv::Vec2d& corner : {cv::Vec2d(70, 5), cv::Vec2d(155, 5), cv::Vec2d(155, 115), cv::Vec2d(70, 115)}) {
     const cv::Vec3d expected = H * cv::Vec3d(corner[0], corner[1], 1.0);
     const cv::Vec3d found = motion.H_current_previous * cv::Vec3d(corner[0], corner[1], 1.0);
     EXPECT_NEAR(found[0] / found[2], expected[0] / expected[2], 0.1);

@@ -4,14 +4,13 @@
 
 #include <set>
 
+#include "../support/quarter_vga.h"
 #include "semantic_vslam/core/eval/synthetic_room.h"
 #include "semantic_vslam/core/eval/trajectory_error.h"
 #include "semantic_vslam/core/pipeline/sparse_slam.h"
 
 namespace semantic_vslam {
 namespace {
-
-CameraIntrinsics quarterVga() { return {320, 240, 262.5, 262.5, 159.5, 119.5, {}}; }
 
 /// An empty office in which the camera stands near the middle and turns by half a radian a second.
 Scenario turningCamera() {

@@ -14,6 +14,7 @@
 #include <string>
 #include <thread>
 
+#include "../support/quarter_vga.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/eval/synthetic_room.h"
@@ -21,16 +22,6 @@
 
 namespace semantic_vslam {
 namespace {
-
-CameraIntrinsics quarterVga() {
-  CameraIntrinsics k;
-  k.width = 320;
-  k.height = 240;
-  k.fx = k.fy = 262.5;
-  k.cx = 159.5;
-  k.cy = 119.5;
-  return k;
-}
 
 /// The first two seconds of the walking scenario, in which somebody passes, rendered once for all tests.
 const std::vector<SyntheticFrame>& walkingFrames() {

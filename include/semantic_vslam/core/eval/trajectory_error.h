@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "semantic_vslam/core/geometry/rigid_alignment.h"
+#include "semantic_vslam/core/io/json_writer.h"
 #include "semantic_vslam/core/io/stamp_association.h"
 #include "semantic_vslam/core/io/trajectory.h"
 
@@ -21,6 +22,9 @@ struct ErrorStatistics {
 
 /// @param errors  not empty
 ErrorStatistics statisticsOf(const std::vector<double>& errors);
+
+/// As an object of that name.
+void write(JsonWriter& json, const char* name, const ErrorStatistics& statistics);
 
 /// One estimated position beside the true one.
 struct MatchedPosition {

@@ -70,10 +70,10 @@ class Processes:
                 with open(self.log_path(name)) as log:
                     raise DemoError(f"{name} ended early: {last_line(log.read())} (log: {self.log_path(name)})")
 
-    def stop(self, name):
+    def stop(self, name, patience_s=15):
         for entry in [entry for entry in self.running if entry[0] == name]:
             self.running.remove(entry)
-            end(entry[1])
+            end(entry[1], patience_s)
 
     def stop_all(self):
         for _, process in reversed(self.running):
@@ -81,12 +81,12 @@ class Processes:
         self.running = []
 
 
-def end(process):
+def end(process, patience_s=15):
     """Ends a process and its children: politely, then for good."""
-    for number, patience_s in ((signal.SIGINT, 15), (signal.SIGTERM, 5), (signal.SIGKILL, 5)):
+    for number, wait_s in ((signal.SIGINT, patience_s), (signal.SIGTERM, 5), (signal.SIGKILL, 5)):
         try:
             os.killpg(process.pid, number)
-            process.wait(patience_s)
+            process.wait(wait_s)
         except subprocess.TimeoutExpired:
             continue
         except ProcessLookupError:
@@ -231,10 +231,31 @@ class Observer:
                 f"{self.state.landmarks} landmarks")
 
 
-class Results:
-    """What the nodelets published, from the bag that was recorded of it."""
+class ResultsRecorder:
+    """Records what the nodelets publish."""
 
     TOPICS = ("/tracking/state", "/tracking/pose", "/motion/report", "/motion/mask", "/tf", "/diagnostics")
+    CLOSING_S = 60  # the recorder writes its backlog and the index first, slowly where other work takes the machine
+
+    def __init__(self, processes):
+        self.processes = processes
+        self.path = os.path.join(processes.log_dir, "results.bag")
+        for old in (self.path, self.path + ".active"):
+            if os.path.exists(old):
+                os.remove(old)
+        # Without compression the masks are 9 MB/s to write.
+        processes.start("rosbag_record", ["rosbag", "record", "--quiet", "--lz4", "-O", self.path, *self.TOPICS])
+
+    def close(self):
+        self.processes.stop("rosbag_record", self.CLOSING_S)
+        if not os.path.isfile(self.path):
+            raise DemoError(f"rosbag record did not finish {self.path} within {self.CLOSING_S} s: is the disk full, or "
+                            f"the machine busy? Its log is {self.processes.log_path('rosbag_record')}")
+        return self.path
+
+
+class Results:
+    """What the nodelets published, from the bag that was recorded of it."""
 
     def __init__(self, path):
         import rosbag
@@ -385,6 +406,7 @@ def figures(options, bag, recording, results, errors):
     posed = sum(1 for state in results.states if state.state in (state.OK, state.RECENTLY_LOST))
     return {
         "frames": recording.frames,
+        "dropped": recording.frames - len(results.states),
         "posed": posed,
         "posed_share": posed / recording.frames,
         "tf_hz": results.tf_hz(),
@@ -437,8 +459,7 @@ def run(options, processes):
     rospy.init_node("demo", anonymous=True, disable_signals=True)
     observer = Observer()
     say("starting the nodelets and rviz")
-    results = os.path.join(processes.log_dir, "results.bag")
-    processes.start("rosbag_record", ["rosbag", "record", "-q", "-O", results, *Results.TOPICS])
+    recorder = ResultsRecorder(processes)
     launch_slam(options, recording, processes, display)
     wait_until(lambda: all(len(subscribers(topic)) >= (3 if options.nodes else 1) for topic in CAMERA_TOPICS[:2])
                and "/rviz" in subscribers("/mapping/semantic_cloud"), processes, 90, "the start of the nodelets and rviz")
@@ -452,13 +473,16 @@ def run(options, processes):
     call_service("/slam_mapping/save")
     time.sleep(1.2)  # one more round of diagnostics
     processes.stop("slam")
-    processes.stop("rosbag_record")
+    results = Results(recorder.close())
 
     errors = evaluate(options, recording, processes)
-    result = figures(options, bag, recording, Results(results), errors)
+    result = figures(options, bag, recording, results, errors)
     with open(os.path.join(options.out, "figures.json"), "w") as file:
         json.dump(result, file, indent=2)
     print_figures(result)
+    if result["dropped"] > 0.05 * result["frames"]:
+        say(f"{result['dropped']} frames were dropped, since this machine did not keep up: {os.cpu_count()} cores, load "
+            f"{os.getloadavg()[0]:.1f}; end other work on it and run again")
     say(f"pictures, trajectory and maps: {options.out}")
 
 

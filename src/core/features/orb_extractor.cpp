@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <opencv2/features2d.hpp>
@@ -20,15 +21,13 @@ constexpr int kBorder = 19;       // px; a rotated patch reaches sqrt(2) * 13 px
 
 using Pyramid = std::array<cv::Mat1b, kPyramidLevels>;
 
-/// @param interpolation  cv::INTER_LINEAR is enough to find corners; descriptors are taken from INTER_LINEAR_EXACT, as
-/// OpenCV's ORB does (from the other one, trajectories come out 3 % worse)
-Pyramid makePyramid(const cv::Mat1b& gray, int interpolation) {
+Pyramid makePyramid(const cv::Mat1b& gray) {
   Pyramid pyramid;
   pyramid[0] = gray;
   for (int level = 1; level < kPyramidLevels; ++level) {
     const double scale = 1.0 / pyramidScale(level);
     const cv::Size size(cvRound(gray.cols * scale), cvRound(gray.rows * scale));
-    cv::resize(pyramid[level - 1], pyramid[level], size, 0, 0, interpolation);
+    cv::resize(pyramid[level - 1], pyramid[level], size, 0, 0, cv::INTER_LINEAR);
   }
   return pyramid;
 }
@@ -236,6 +235,7 @@ struct OrbExtractor::Implementation {
       if (of_level.empty()) continue;
       cv::Mat rows;
       descriptor->compute(pyramid[level], of_level, rows);
+      assert(rows.rows == static_cast<int>(of_level.size()));  // corners keep to the border that ORB asks for
       for (int i = 0; i < rows.rows; ++i) rows.row(i).copyTo(descriptors.row(of_level[i].class_id));
     }
     return descriptors;
@@ -267,10 +267,10 @@ OrbExtractor::~OrbExtractor() = default;
 
 FrameFeatures OrbExtractor::extract(const RgbdFrame& frame, const cv::Mat1b& dynamic) const {
   std::vector<float> weights;
-  const Pyramid pyramid = makePyramid(frame.gray, cv::INTER_LINEAR);
+  const Pyramid pyramid = makePyramid(frame.gray);
   const auto keypoints = implementation_->detect(pyramid, dynamic, weights);
   FrameFeatures out;
-  out.descriptors = implementation_->describe(makePyramid(frame.gray, cv::INTER_LINEAR_EXACT), keypoints);
+  out.descriptors = implementation_->describe(pyramid, keypoints);
   out.features.reserve(keypoints.size());
   for (const auto& keypoint : keypoints) {
     Feature feature;

@@ -9,33 +9,7 @@
 namespace semantic_vslam {
 namespace {
 
-using Jacobian3x6 = Eigen::Matrix<double, 3, 6>;
 using JacobianMap = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 6>>;
-
-/// Robust residual of one point and, on request, its derivative.
-void evaluatePoint(const VirtualStereo& camera, const PoseCost::Point& point, const PoseIncrement& increment,
-                   const Eigen::Matrix3d& rotation_jacobian, Eigen::Vector3d* residual, Jacobian3x6* jacobian) {
-  const Eigen::Vector3d rotated = increment.rotation() * point.point_camera;
-  const Eigen::Vector3d p = increment.apply(point.point_camera);
-  residual->setZero();
-  if (jacobian != nullptr) jacobian->setZero();
-  if (p.z() < kMinProjectionDepthM) return;
-
-  const Eigen::Vector3d error = whitenedError(camera, point.measurement, p);
-  const double root_weight = std::sqrt(point.measurement.weight);
-  double scale_derivative = 0.0;
-  const double scale = huberScale(error.squaredNorm(), point.measurement.chi2Bound(), &scale_derivative);
-  *residual = root_weight * scale * error;
-  if (jacobian == nullptr) return;
-
-  Jacobian3x6 error_jacobian;
-  error_jacobian.leftCols<3>() = whitenedErrorJacobian(camera, point.measurement, p);
-  error_jacobian.rightCols<3>() = -error_jacobian.leftCols<3>() * skew(rotated) * rotation_jacobian;
-  *jacobian = root_weight * scale * error_jacobian;
-  if (scale_derivative != 0.0) {
-    *jacobian += (root_weight * 2.0 * scale_derivative) * error * (error.transpose() * error_jacobian);
-  }
-}
 
 /// Square root of a positive semi-definite matrix: information = root^T * root.
 Matrix6d squareRoot(const Matrix6d& information) {
@@ -45,22 +19,66 @@ Matrix6d squareRoot(const Matrix6d& information) {
 
 }  // namespace
 
-PoseCost::PoseCost(const VirtualStereo& camera, const SE3& T0, std::vector<Point> points,
+PoseCost::PoseCost(const VirtualStereo& camera, const SE3& T0, const std::vector<Point>& points,
                    const std::optional<PosePrior>& prior)
-    : camera_(camera), points_(std::move(points)), has_prior_(prior.has_value()) {
+    : has_prior_(prior.has_value()) {
+  terms_.reserve(points.size());
+  for (const Point& point : points) terms_.emplace_back(camera, point);
   if (!has_prior_) return;
   T_pose_prior_ = T0 * prior->T_camera_world.inverse();
   prior_sqrt_information_ = squareRoot(prior->information);
+}
+
+PoseCost::Term::Term(const VirtualStereo& camera, const Point& point)
+    : point_camera(point.point_camera),
+      chi2_bound(point.measurement.chi2Bound()),
+      root_weight(std::sqrt(point.measurement.weight)) {
+  const PixelMeasurement& m = point.measurement;
+  const double per_px = 1.0 / m.sigma_px, per_disparity_px = m.hasDepth() ? 1.0 / m.disparity_sigma_px : 0.0;
+  measured = {(m.undistorted_px.x() - camera.cx) * per_px, (m.undistorted_px.y() - camera.cy) * per_px,
+              m.disparity_px * per_disparity_px};
+  focal = {camera.fx * per_px, camera.fy * per_px, camera.fx_baseline * per_disparity_px};
+}
+
+void PoseCost::Term::evaluate(const PoseIncrement& increment, const Eigen::Matrix3d& rotation_jacobian,
+                              Eigen::Vector3d* residual, Eigen::Matrix<double, 3, 6>* jacobian) const {
+  const Eigen::Vector3d rotated = increment.rotation() * point_camera;
+  const Eigen::Vector3d p = rotated + increment.translation();
+  if (p.z() < kMinProjectionDepthM) {
+    residual->setZero();
+    if (jacobian != nullptr) jacobian->setZero();
+    return;
+  }
+  const double inverse_z = 1.0 / p.z();
+  const Eigen::Vector3d ray(p.x() * inverse_z, p.y() * inverse_z, inverse_z);
+  const Eigen::Vector3d error = measured - focal.cwiseProduct(ray);
+  double scale_derivative = 0.0;
+  const double scale = root_weight * huberScale(error.squaredNorm(), chi2_bound, &scale_derivative);
+  *residual = scale * error;
+  if (jacobian == nullptr) return;
+
+  const Eigen::Vector3d gain = -inverse_z * focal;
+  auto by_point = jacobian->leftCols<3>();
+  by_point << gain.x(), 0, -gain.x() * ray.x(), 0, gain.y(), -gain.y() * ray.y(), 0, 0, -gain.z() * inverse_z;
+  // g * -skew(rotated) = (rotated x g)^T, row by row
+  for (int row = 0; row < 3; ++row) {
+    jacobian->row(row).tail<3>() = rotated.cross(by_point.row(row).transpose()).transpose() * rotation_jacobian;
+  }
+  if (scale_derivative == 0.0) {
+    *jacobian *= scale;
+  } else {
+    const Eigen::Matrix<double, 1, 6> along_error = error.transpose() * *jacobian;
+    *jacobian = scale * *jacobian + (root_weight * 2.0 * scale_derivative) * error * along_error;
+  }
 }
 
 bool PoseCost::operator()(const double* increment_data, double* residuals, double* jacobian_data) const {
   const PoseIncrement increment(increment_data);
   const Eigen::Matrix3d rotation_jacobian = increment.rotationJacobian();
   Eigen::Vector3d residual;
-  Jacobian3x6 jacobian;
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    evaluatePoint(camera_, points_[i], increment, rotation_jacobian, &residual,
-                  jacobian_data != nullptr ? &jacobian : nullptr);
+  Eigen::Matrix<double, 3, 6> jacobian;
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    terms_[i].evaluate(increment, rotation_jacobian, &residual, jacobian_data != nullptr ? &jacobian : nullptr);
     Eigen::Map<Eigen::Vector3d>(residuals + 3 * i) = residual;
     if (jacobian_data != nullptr) {
       JacobianMap(jacobian_data, NumResiduals(), 6).middleRows<3>(static_cast<Eigen::Index>(3 * i)) = jacobian;
@@ -73,7 +91,7 @@ bool PoseCost::operator()(const double* increment_data, double* residuals, doubl
   Vector6d error;
   error.head<3>() = increment.apply(Eigen::Vector3d(T_pose_prior_.translation()));
   error.tail<3>() = so3Log(increment.rotation() * T_pose_prior_.linear());
-  Eigen::Map<Vector6d>(residuals + 3 * points_.size()) = prior_sqrt_information_ * error;
+  Eigen::Map<Vector6d>(residuals + 3 * terms_.size()) = prior_sqrt_information_ * error;
   if (jacobian_data == nullptr) return true;
   Matrix6d error_jacobian = Matrix6d::Identity();
   error_jacobian.topRightCorner<3, 3>() = -skew(rotated) * rotation_jacobian;

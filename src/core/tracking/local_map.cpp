@@ -14,16 +14,19 @@ namespace {
 
 /// Keyframes that see the frame's landmarks, most shared first.
 std::vector<std::pair<KeyframeId, int>> voteKeyframes(const Map& map, const TrackedFrame& frame) {
-  std::map<KeyframeId, int> votes;
+  std::vector<int> votes(map.nextKeyframe(), 0);  // by id
   for (const LandmarkId id : frame.landmarks) {
     const Landmark* landmark = id.valid() ? map.landmark(id) : nullptr;
     if (!landmark) continue;
     for (const auto& [keyframe, index] : landmark->observations) {
       static_cast<void>(index);
-      ++votes[keyframe];
+      ++votes[keyframe.value()];
     }
   }
-  std::vector<std::pair<KeyframeId, int>> sorted(votes.begin(), votes.end());
+  std::vector<std::pair<KeyframeId, int>> sorted;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    if (votes[i] > 0) sorted.emplace_back(KeyframeId(i), votes[i]);
+  }
   std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   return sorted;
 }
@@ -52,13 +55,15 @@ LocalMap selectLocalMap(const Map& map, const TrackedFrame& frame, const LocalMa
     if (parent.valid() && !full()) chosen.insert(parent);
   }
   local.keyframes.assign(chosen.begin(), chosen.end());
+  std::vector<bool> taken(map.nextLandmark(), false);  // ids are dense: far cheaper than to sort tens of thousands
   for (const KeyframeId id : local.keyframes) {
     for (const LandmarkId landmark : map.keyframe(id)->landmarks) {
-      if (landmark.valid()) local.landmarks.push_back(landmark);
+      if (!landmark.valid() || taken[landmark.value()]) continue;
+      taken[landmark.value()] = true;
+      local.landmarks.push_back(landmark);
     }
   }
   std::sort(local.landmarks.begin(), local.landmarks.end());
-  local.landmarks.erase(std::unique(local.landmarks.begin(), local.landmarks.end()), local.landmarks.end());
   return local;
 }
 

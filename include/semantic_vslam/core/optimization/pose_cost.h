@@ -31,10 +31,10 @@ class PoseCost {
   };
 
   /// @param T0  pose around which increments are taken
-  PoseCost(const VirtualStereo& camera, const SE3& T0, std::vector<Point> points,
+  PoseCost(const VirtualStereo& camera, const SE3& T0, const std::vector<Point>& points,
            const std::optional<PosePrior>& prior);
 
-  int NumResiduals() const { return static_cast<int>(3 * points_.size()) + (has_prior_ ? 6 : 0); }
+  int NumResiduals() const { return static_cast<int>(3 * terms_.size()) + (has_prior_ ? 6 : 0); }
 
   /// @param increment  6 values   @param residuals  NumResiduals() values
   /// @param jacobian   NumResiduals() x 6, column-major, or nullptr
@@ -42,8 +42,19 @@ class PoseCost {
   bool operator()(const double* increment, double* residuals, double* jacobian) const;
 
  private:
-  VirtualStereo camera_;
-  std::vector<Point> points_;
+  /// A point with all that does not depend on the pose worked out: evaluated a dozen times for each frame.
+  struct Term {
+    Term(const VirtualStereo& camera, const Point& point);
+    void evaluate(const PoseIncrement& increment, const Eigen::Matrix3d& rotation_jacobian, Eigen::Vector3d* residual,
+                  Eigen::Matrix<double, 3, 6>* jacobian) const;
+
+    Eigen::Vector3d point_camera;  ///< metres
+    Eigen::Vector3d measured;      ///< u, v from the principal point and disparity, each over its sigma; 0 = no depth
+    Eigen::Vector3d focal;         ///< fx, fy, fx * baseline, each over the sigma: measured = focal * (x, y, 1) / z
+    double chi2_bound, root_weight;
+  };
+
+  std::vector<Term> terms_;
   bool has_prior_ = false;
   SE3 T_pose_prior_ = SE3::Identity();  ///< T0 * prior^-1
   Matrix6d prior_sqrt_information_ = Matrix6d::Zero();

@@ -91,6 +91,7 @@ class PoseIncrement {
     return out;
   }
   const Eigen::Matrix3d& rotation() const { return rotation_; }
+  const Eigen::Vector3d& translation() const { return translation_; }
   /// Left Jacobian of the rotation, shared by the derivatives of all points: d(exp(w) p)/dw = -skew(exp(w) p) J(w).
   Eigen::Matrix3d rotationJacobian() const { return so3LeftJacobian(vector_); }
 

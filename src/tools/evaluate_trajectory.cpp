@@ -95,7 +95,7 @@ int evaluate(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   return runTool(argc, argv, kUsage, [&] {
-    const Arguments arguments(argc, argv, {"--plot", "--delta", "--max-gap"}, {"--json", "--scale"}, 2);
+    const Arguments arguments(argc, argv, {"--plot", "--delta", "--max-gap"}, {"--json", "--scale"}, {2, 2});
     return evaluate(arguments);
   });
 }

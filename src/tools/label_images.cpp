@@ -71,6 +71,6 @@ int run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   return runTool(argc, argv, kUsage, [&] {
-    return run(Arguments(argc, argv, {"--sidecar", "--unknown", "--threads"}, {}, 3));
+    return run(Arguments(argc, argv, {"--sidecar", "--unknown", "--threads"}, {}, {3, 3}));
   });
 }

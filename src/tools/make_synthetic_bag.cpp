@@ -191,9 +191,8 @@ int run(const Arguments& arguments) {
   const auto camera = syntheticCamera(arguments.value("--size").value_or("640x480"));
   const auto seed = static_cast<std::uint64_t>(arguments.count("--seed", 1));
   const int threads = static_cast<int>(std::clamp<std::size_t>(arguments.count("--threads", 2), 1, 64));
-  const auto views = static_cast<int>(arguments.count("--random-views", 0));
+  const auto views = static_cast<int>(arguments.count("--random-views", 1, 1));
   const bool random = arguments.has("--random-views");
-  if (random && views == 0) throw UsageError("--random-views must be 1 or more");
 
   std::unique_ptr<SyntheticRoom> room;
   if (!random) {
@@ -229,6 +228,6 @@ int main(int argc, char** argv) {
     return run(Arguments(
         argc, argv,
         {"--out", "--tum", "--scenario", "--seed", "--seconds", "--size", "--fps", "--threads", "--random-views"},
-        {"--jpeg", "--lz4", "--list"}, 0));
+        {"--jpeg", "--lz4", "--list"}, {}));
   });
 }

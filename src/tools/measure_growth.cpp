@@ -13,9 +13,9 @@
 
 #include "semantic_vslam/core/common/arguments.h"
 #include "semantic_vslam/core/common/config_arguments.h"
+#include "semantic_vslam/core/eval/open_recording.h"
 #include "semantic_vslam/core/eval/run_report.h"
 #include "semantic_vslam/core/io/json_writer.h"
-#include "semantic_vslam/core/io/tum_sequence.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"
 
 namespace {
@@ -69,12 +69,9 @@ double runPass(TumSequence& sequence, std::size_t frames, bool backwards, std::u
 }
 
 int run(const Arguments& arguments, const SystemConfig& config) {
-  const auto camera = arguments.value("--camera");
-  if (!camera) throw UsageError("--camera FILE is missing");
-  TumSequence sequence(arguments.positional()[0], std::make_shared<CameraModel>(loadCameraFile(*camera)));
-  const std::size_t frames = std::min(arguments.count("--frames", sequence.size()), sequence.size());
-  const std::size_t passes = arguments.count("--passes", 10);
-  if (frames == 0 || passes == 0) throw UsageError("--frames and --passes must be 1 or more");
+  TumSequence sequence = openTumFolder(arguments);
+  const std::size_t frames = std::min(arguments.count("--frames", sequence.size(), 1), sequence.size());
+  const std::size_t passes = arguments.count("--passes", 10, 1);
   SlamSystem system(config, SlamSystem::Mode::kSynchronous);
   Growth growth;
   for (std::size_t pass = 0; pass < passes; ++pass) {
@@ -102,7 +99,7 @@ int run(const Arguments& arguments, const SystemConfig& config) {
 int main(int argc, char** argv) {
   return runTool(argc, argv, kUsage, [&] {
     cv::setNumThreads(1);
-    const Arguments arguments(argc, argv, {"--camera", "--passes", "--frames", "--set"}, {}, 1);
+    const Arguments arguments(argc, argv, {"--camera", "--passes", "--frames", "--set"}, {}, {1, 1});
     return run(arguments, readConfig(arguments));
   });
 }

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -17,11 +16,10 @@
 #include "semantic_vslam/core/common/arguments.h"
 #include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/eval/open_recording.h"
 #include "semantic_vslam/core/eval/run_report.h"
-#include "semantic_vslam/core/eval/scenario_source.h"
 #include "semantic_vslam/core/eval/trajectory_error.h"
 #include "semantic_vslam/core/io/json_writer.h"
-#include "semantic_vslam/core/io/tum_sequence.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"
 
 namespace {
@@ -29,13 +27,11 @@ namespace {
 using namespace semantic_vslam;
 
 constexpr const char* kUsage =
-    "usage: measure_loops [SEQUENCE_DIR --camera FILE] [options]\n"
+    "usage: measure_loops (SEQUENCE_DIR --camera FILE | --scenario NAME) [options]\n"
     "Runs the whole system and prints one JSON object: the loops closed, whether they are true, and the trajectory's\n"
     "error (ATE RMSE, metres) over the frames up to the first closing just before it, and over all frames at the end.\n"
-    "Without a TUM folder a scenario is rendered on the way:\n"
-    "  --scenario NAME      as in make_synthetic_bag --list (loop)\n"
-    "  --seed N             (1)\n"
-    "  --size WxH, --fps N  of the rendered frames (640x480, 30)\n"
+    "  --scenario NAME      rendered on the way in place of a TUM folder; make_synthetic_bag --list names them\n"
+    "  --seed N, --size WxH, --fps N   of the scenario (1, 640x480, 30)\n"
     "  --frames N           stop after N frames\n"
     "  --set KEY=VALUE      a key of the configuration; may be repeated\n"
     "  --map FILE, --trajectory FILE   also save the sparse map and the frames' poses (TUM format)\n"
@@ -43,25 +39,6 @@ constexpr const char* kUsage =
 
 // A loop whose relative pose is this far from the truth joins two places that are not one.
 constexpr double kFalseM = 0.5, kFalseRad = 0.2;
-
-struct Recording {
-  std::string name;
-  std::unique_ptr<FrameSource> frames;
-};
-
-Recording openRecording(const Arguments& arguments) {
-  if (!arguments.positional().empty()) {
-    const auto camera = arguments.value("--camera");
-    if (!camera) throw UsageError("a folder of images needs --camera FILE");
-    const std::string& folder = arguments.positional()[0];
-    return {folder, std::make_unique<TumSequence>(folder, std::make_shared<CameraModel>(loadCameraFile(*camera)))};
-  }
-  const std::string name = arguments.value("--scenario").value_or("loop");
-  Scenario scenario = makeScenario(name, arguments.count("--seed", 1));
-  scenario.fps = arguments.positiveNumber("--fps", scenario.fps);
-  const auto camera = syntheticCamera(arguments.value("--size").value_or("640x480"));
-  return {name, std::make_unique<ScenarioSource>(scenario, camera)};
-}
 
 SystemConfig readConfig(const Arguments& arguments) {
   SystemConfig config;
@@ -140,18 +117,18 @@ void writeLoops(JsonWriter& json, const std::vector<ClosedLoop>& loops, const st
 }
 
 int run(const Arguments& arguments, const SystemConfig& config) {
-  const Recording recording = openRecording(arguments);
+  const auto recording = openRecording(arguments, 30.0);
+  const std::size_t most_frames = arguments.count("--frames", recording->size(), 1);
   SlamSystem system(config, SlamSystem::Mode::kSynchronous);
-  const Outcome outcome = runThrough(*recording.frames, system, arguments.count("--frames", recording.frames->size()),
-                                     arguments.has("--verbose"));
+  const Outcome outcome = runThrough(*recording, system, most_frames, arguments.has("--verbose"));
   if (const auto map = arguments.value("--map")) system.slam().saveMap(*map);
   if (const auto poses = arguments.value("--trajectory")) writeTumTrajectory(*poses, system.slam().trajectory());
   JsonWriter json;
-  json.field("recording", recording.name);
+  json.field("recording", arguments.positional().empty() ? *arguments.value("--scenario") : arguments.positional()[0]);
   json.field("frames", outcome.frames);
   json.field("posed", outcome.posed);
   json.field("keyframes", system.slam().keyframeCount());
-  writeLoops(json, system.slam().closedLoops(), recording.frames->groundTruth());
+  writeLoops(json, system.slam().closedLoops(), recording->groundTruth());
   outcome.ate_before_m ? json.field("ate_before_m", *outcome.ate_before_m) : json.null("ate_before_m");
   json.field("ate_m", outcome.ate_m);
   json.field("cpu_s", cpuSeconds());
@@ -165,11 +142,10 @@ int run(const Arguments& arguments, const SystemConfig& config) {
 int main(int argc, char** argv) {
   return runTool(argc, argv, kUsage, [&] {
     cv::setNumThreads(1);
-    const bool folder = argc > 1 && argv[1][0] != '-';
     const Arguments arguments(
         argc, argv,
         {"--camera", "--scenario", "--seed", "--size", "--fps", "--frames", "--set", "--map", "--trajectory"},
-        {"--verbose"}, folder ? 1 : 0);
+        {"--verbose"}, {0, 1});
     return run(arguments, readConfig(arguments));
   });
 }

@@ -15,8 +15,8 @@
 #include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/eval/mask_score.h"
+#include "semantic_vslam/core/eval/open_recording.h"
 #include "semantic_vslam/core/eval/stage_timing.h"
-#include "semantic_vslam/core/io/tum_sequence.h"
 #include "semantic_vslam/core/motion/flow_colour.h"
 #include "semantic_vslam/core/motion/motion_detector.h"
 
@@ -33,22 +33,18 @@ constexpr char kUsage[] =
     "  --frames N             stop after N frames\n";
 
 struct Options {
-  std::string sequence, camera, pictures;
+  std::string pictures;
   MotionConfig config;
-  std::size_t every = 10, frames = 0, mask_period = 5;
+  std::size_t every = 10, mask_period = 5;
   double mask_delay_s = -1.0;
 };
 
 Options readOptions(const Arguments& arguments) {
   Options options;
-  options.sequence = arguments.positional()[0];
-  options.camera = arguments.value("--camera").value_or("");
-  if (options.camera.empty()) throw UsageError("--camera FILE is missing (cfg/cameras/*.yaml)");
   applySettings(arguments, options.config);
   options.pictures = arguments.value("--pictures").value_or("");
-  options.every = std::max<std::size_t>(1, arguments.count("--every", options.every));
-  options.frames = arguments.count("--frames", options.frames);
-  options.mask_period = std::max<std::size_t>(1, arguments.count("--mask-period", options.mask_period));
+  options.every = arguments.count("--every", options.every, 1);
+  options.mask_period = arguments.count("--mask-period", options.mask_period, 1);
   if (arguments.has("--truth-masks")) options.mask_delay_s = arguments.positiveNumber("--truth-masks", 0.0);
   return options;
 }
@@ -135,9 +131,11 @@ struct LateMask {
   cv::Mat1b labels;
 };
 
-int run(const Options& options) {
+int run(const Arguments& arguments) {
   cv::setNumThreads(1);
-  TumSequence sequence(options.sequence, std::make_shared<CameraModel>(loadCameraFile(options.camera)));
+  const Options options = readOptions(arguments);
+  TumSequence sequence = openTumFolder(arguments);
+  const std::size_t most_frames = arguments.count("--frames", sequence.size(), 1);
   MotionDetector detector(options.config);
   if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);
   const LabelSet label_set = personLabels();
@@ -149,7 +147,7 @@ int run(const Options& options) {
   std::size_t by_model[3] = {0, 0, 0};
   Stamp previous;
   while (auto frame = sequence.next()) {
-    if (options.frames > 0 && frame->index >= options.frames) break;
+    if (frame->index >= most_frames) break;
     const cv::Mat1b truth = sequence.groundTruthMask();
     MotionResult result;
     {
@@ -194,8 +192,8 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace semantic_vslam;
   return runTool(argc, argv, kUsage, [&] {
-    return run(readOptions(Arguments(
-        argc, argv, {"--camera", "--set", "--pictures", "--every", "--truth-masks", "--mask-period", "--frames"}, {},
-        1)));
+    return run(Arguments(argc, argv,
+                         {"--camera", "--set", "--pictures", "--every", "--truth-masks", "--mask-period", "--frames"},
+                         {}, {1, 1}));
   });
 }

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -17,11 +16,10 @@
 
 #include "semantic_vslam/core/common/arguments.h"
 #include "semantic_vslam/core/common/rng.h"
-#include "semantic_vslam/core/eval/scenario_source.h"
+#include "semantic_vslam/core/eval/open_recording.h"
 #include "semantic_vslam/core/features/orb_extractor.h"
 #include "semantic_vslam/core/features/place_index.h"
 #include "semantic_vslam/core/io/json_writer.h"
-#include "semantic_vslam/core/io/tum_sequence.h"
 #include "semantic_vslam/core/loop/loop_detector.h"
 
 namespace {
@@ -29,15 +27,13 @@ namespace {
 using namespace semantic_vslam;
 
 constexpr const char* kUsage =
-    "usage: measure_places [SEQUENCE_DIR --camera FILE] [options]\n"
+    "usage: measure_places (SEQUENCE_DIR --camera FILE | --scenario NAME) [options]\n"
     "Looks up each keyframe of a recording (every 0.1 m or 0.1 rad, by the true poses) among those at least --gap\n"
     "seconds older and prints one JSON object: precision and recall of the best match at several least scores, and\n"
     "the time a query takes, for the index as it is, with one tree and with four.\n"
     "A keyframe is a revisit if an older one shows half of what it shows; a match is right if it shows a fifth of it.\n"
-    "Without a TUM folder a scenario is rendered on the way:\n"
-    "  --scenario NAME      as in make_synthetic_bag --list (loop)\n"
-    "  --seed N             (1)\n"
-    "  --size WxH, --fps N  of the rendered frames (640x480, 2)\n"
+    "  --scenario NAME      rendered on the way in place of a TUM folder; make_synthetic_bag --list names them\n"
+    "  --seed N, --size WxH, --fps N   of the scenario (1, 640x480, 2)\n"
     "  --gap N              seconds (5)\n"
     "  --brute-force        also match every pair of keyframes: a second and more for each query\n"
     "  --full N             keyframes in the index when a query is timed (1000; noisy copies fill it up)\n";
@@ -53,18 +49,6 @@ struct View {
   cv::Mat1f depth_m;
   FrameFeatures features;
 };
-
-std::unique_ptr<FrameSource> openRecording(const Arguments& arguments) {
-  if (!arguments.positional().empty()) {
-    const auto camera = arguments.value("--camera");
-    if (!camera) throw UsageError("a folder of images needs --camera FILE");
-    const std::string& folder = arguments.positional()[0];
-    return std::make_unique<TumSequence>(folder, std::make_shared<CameraModel>(loadCameraFile(*camera)));
-  }
-  Scenario scenario = makeScenario(arguments.value("--scenario").value_or("loop"), arguments.count("--seed", 1));
-  scenario.fps = arguments.positiveNumber("--fps", 2.0);
-  return std::make_unique<ScenarioSource>(scenario, syntheticCamera(arguments.value("--size").value_or("640x480")));
-}
 
 std::optional<SE3> truePose(const std::vector<TimedPose>& truth, Stamp stamp) {
   const auto nearest = std::min_element(truth.begin(), truth.end(), [&](const TimedPose& a, const TimedPose& b) {
@@ -253,7 +237,7 @@ void writeCurve(JsonWriter& json, const std::string& name, const std::vector<Loo
 }
 
 int run(const Arguments& arguments) {
-  const auto recording = openRecording(arguments);
+  const auto recording = openRecording(arguments, 2.0);
   const double gap_s = arguments.positiveNumber("--gap", 5.0);
   const std::vector<View> views = readKeyframes(*recording);
   if (views.empty()) throw Error("the recording has no frame with a true pose");
@@ -283,8 +267,7 @@ int run(const Arguments& arguments) {
 int main(int argc, char** argv) {
   return runTool(argc, argv, kUsage, [&] {
     cv::setNumThreads(1);
-    const bool folder = argc > 1 && argv[1][0] != '-';
     return run(Arguments(argc, argv, {"--camera", "--scenario", "--seed", "--size", "--fps", "--gap", "--full"},
-                         {"--brute-force"}, folder ? 1 : 0));
+                         {"--brute-force"}, {0, 1}));
   });
 }

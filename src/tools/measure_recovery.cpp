@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <memory>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -16,9 +15,9 @@
 #include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/eval/fault_injection.h"
+#include "semantic_vslam/core/eval/open_recording.h"
 #include "semantic_vslam/core/eval/trajectory_error.h"
 #include "semantic_vslam/core/io/json_writer.h"
-#include "semantic_vslam/core/io/tum_sequence.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"
 
 namespace {
@@ -42,8 +41,7 @@ constexpr int kMostFramesNeeded = 10;
 constexpr double kWrongM = 0.05;
 
 struct Setup {
-  std::string sequence;
-  std::shared_ptr<const CameraModel> camera;
+  const Arguments& arguments;
   SystemConfig config;
   SlamSystem::Mode mode = SlamSystem::Mode::kSynchronous;
 };
@@ -66,7 +64,7 @@ struct CutsResult {
 };
 
 void playCuts(const Setup& setup, std::uint64_t seed, CutsResult& result) {
-  TumSequence recording(setup.sequence, setup.camera);
+  TumSequence recording = openTumFolder(setup.arguments);
   const std::vector<Cut> cuts = drawCuts(recording.size(), kFps, CutPlan(), seed);
   CutSource source(recording, cuts);
   SlamSystem system(setup.config, setup.mode);
@@ -90,7 +88,7 @@ void playCuts(const Setup& setup, std::uint64_t seed, CutsResult& result) {
 
 /// The lens is covered at the middle and stays so. @return whether LOST is told at the end and the map is what it was
 bool coverForGood(const Setup& setup) {
-  TumSequence recording(setup.sequence, setup.camera);
+  TumSequence recording = openTumFolder(setup.arguments);
   const std::uint64_t middle = recording.size() / 2;
   CutSource source(recording, {{middle, recording.size(), Cut::Kind::kBlack}});
   SlamSystem system(setup.config, setup.mode);
@@ -120,7 +118,7 @@ struct SavedMapResult {
 };
 
 void localiseFrom(const Setup& setup, const std::string& map_file, std::size_t first, SavedMapResult& result) {
-  TumSequence recording(setup.sequence, setup.camera);
+  TumSequence recording = openTumFolder(setup.arguments);
   recording.skip(first);
   SparseSlam slam(setup.config.slam, setup.mode);
   slam.loadMap(map_file);
@@ -151,7 +149,7 @@ SavedMapResult localiseInSavedMap(const Setup& setup, std::size_t starts) {
   const std::string map_file = (fs::temp_directory_path() / "measure_recovery.map").string();
   std::size_t frames = 0;
   {
-    TumSequence recording(setup.sequence, setup.camera);
+    TumSequence recording = openTumFolder(setup.arguments);
     frames = recording.size();
     SlamSystem system(setup.config, setup.mode);
     play(recording, system);
@@ -172,11 +170,7 @@ SavedMapResult localiseInSavedMap(const Setup& setup, std::size_t starts) {
 }
 
 int run(const Arguments& arguments) {
-  Setup setup;
-  setup.sequence = arguments.positional()[0];
-  const auto camera_file = arguments.value("--camera");
-  if (!camera_file) throw UsageError("--camera FILE is missing (cfg/cameras/*.yaml)");
-  setup.camera = std::make_shared<CameraModel>(loadCameraFile(*camera_file));
+  Setup setup{arguments, SystemConfig()};
   setup.config.dense.enabled = false;  // has no part in where the camera is
   applySettings(arguments, setup.config);
   if (arguments.has("--background")) setup.mode = SlamSystem::Mode::kBackground;
@@ -210,6 +204,6 @@ int run(const Arguments& arguments) {
 int main(int argc, char** argv) {
   return runTool(argc, argv, kUsage, [&] {
     cv::setNumThreads(1);  // sums are added in one order
-    return run(Arguments(argc, argv, {"--camera", "--runs", "--starts", "--set"}, {"--background"}, 1));
+    return run(Arguments(argc, argv, {"--camera", "--runs", "--starts", "--set"}, {"--background"}, {1, 1}));
   });
 }

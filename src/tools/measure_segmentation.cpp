@@ -13,9 +13,9 @@
 #include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/eval/mask_score.h"
+#include "semantic_vslam/core/eval/open_recording.h"
 #include "semantic_vslam/core/eval/stage_timing.h"
 #include "semantic_vslam/core/io/image_file.h"
-#include "semantic_vslam/core/io/tum_sequence.h"
 #include "semantic_vslam/core/segmentation/label_picture.h"
 #include "semantic_vslam/core/segmentation/onnx_segmenter.h"
 
@@ -123,21 +123,18 @@ void writePicture(const std::string& path, const RgbdFrame& frame, const cv::Mat
 }
 
 struct Options {
-  std::string sequence, camera, pictures;
+  std::string pictures;
   SegmentationConfig config;
   int dilate_px = 0;
   std::size_t every = 10;
 };
 
-Options parse(const Arguments& arguments) {
+Options readOptions(const Arguments& arguments) {
   Options options;
-  options.sequence = arguments.positional()[0];
-  options.camera = arguments.value("--camera").value_or("");
   options.pictures = arguments.value("--pictures").value_or("");
   options.dilate_px = static_cast<int>(arguments.count("--dilate", 0));
-  options.every = std::max<std::size_t>(1, arguments.count("--every", options.every));
+  options.every = arguments.count("--every", options.every, 1);
   applySettings(arguments, options.config);
-  if (options.camera.empty()) throw UsageError("--camera FILE is missing");
   if (options.config.model.empty() == (options.dilate_px == 0)) {
     throw UsageError("give either --set model=FILE.onnx or --dilate PX");
   }
@@ -152,9 +149,11 @@ void print(const char* what, const MaskScore& people, const PointErrors& points)
       100.0 * points.lostShare());
 }
 
-int run(const Options& options) {
+int run(const Arguments& arguments) {
   cv::setNumThreads(1);
-  TumSequence sequence(options.sequence, std::make_shared<CameraModel>(loadCameraFile(options.camera)));
+  const Options options = readOptions(arguments);
+  const std::string& folder = arguments.positional()[0];
+  TumSequence sequence = openTumFolder(arguments);
   const auto segmenter = options.dilate_px > 0 ? nullptr : makeOnnxSegmenter(options.config);
   DepthRefiner refiner(options.config.refinement);
   const LabelSet set = segmenter ? segmenter->labels() : numberedLabels();
@@ -163,7 +162,7 @@ int run(const Options& options) {
   PointErrors points_before, points_after;
   StageTimes times;
   while (auto frame = sequence.next()) {
-    const cv::Mat1b truth = trueLabels(options.sequence, sequence.pairs()[frame->index].rgb_file);
+    const cv::Mat1b truth = trueLabels(folder, sequence.pairs()[frame->index].rgb_file);
     cv::Mat1b labels, refined;
     {
       auto timer = times.scope(segmenter ? "network" : "dilation", frame->index);
@@ -183,7 +182,7 @@ int run(const Options& options) {
     }
     sequence.skip(options.every - 1);
   }
-  if (people_before.frames() == 0) throw FileError("'" + options.sequence + "' holds no readable frame");
+  if (people_before.frames() == 0) throw FileError("'" + folder + "' holds no readable frame");
   std::printf("%zu frames\n", people_before.frames());
   print("before", people_before, points_before);
   print("refined", people_after, points_after);
@@ -200,6 +199,6 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   return runTool(argc, argv, kUsage, [&] {
-    return run(parse(Arguments(argc, argv, {"--camera", "--set", "--dilate", "--every", "--pictures"}, {}, 1)));
+    return run(Arguments(argc, argv, {"--camera", "--set", "--dilate", "--every", "--pictures"}, {}, {1, 1}));
   });
 }

@@ -20,10 +20,10 @@
 #include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
+#include "semantic_vslam/core/eval/open_recording.h"
 #include "semantic_vslam/core/eval/run_recorder.h"
 #include "semantic_vslam/core/io/image_file.h"
 #include "semantic_vslam/core/io/read_ahead.h"
-#include "semantic_vslam/core/io/tum_sequence.h"
 #include "semantic_vslam/core/pipeline/slam_runner.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"
 #include "semantic_vslam/ros/bag_source.h"
@@ -84,14 +84,13 @@ int printConfig(const SystemConfig& config) {
   return 0;
 }
 
-std::unique_ptr<FrameSource> openRecording(const Arguments& arguments, const std::string& path) {
+std::unique_ptr<FrameSource> openFolderOrBag(const Arguments& arguments) {
+  if (arguments.positional().empty()) throw UsageError("which recording? Give a TUM folder or a bag");
+  const std::string& path = arguments.positional()[0];
+  if (fs::is_directory(path)) return std::make_unique<TumSequence>(openTumFolder(arguments));
+  if (!fs::exists(path)) throw FileError("recording '" + path + "' does not exist");
   std::shared_ptr<const CameraModel> camera;
   if (const auto file = arguments.value("--camera")) camera = std::make_shared<CameraModel>(loadCameraFile(*file));
-  if (fs::is_directory(path)) {
-    if (!camera) throw UsageError("a folder of images needs --camera FILE (cfg/cameras/*.yaml)");
-    return std::make_unique<TumSequence>(path, camera);
-  }
-  if (!fs::exists(path)) throw FileError("recording '" + path + "' does not exist");
   const RecordingTopics topics{arguments.value("--color-topic").value_or(""),
                                arguments.value("--depth-topic").value_or(""),
                                arguments.value("--info-topic").value_or("")};
@@ -216,7 +215,7 @@ Options readOptions(const Arguments& arguments, const FrameSource& source) {
   options.realtime = arguments.has("--realtime");
   options.masks = arguments.has("--masks");
   options.start = arguments.count("--start", 0);
-  options.frames = arguments.count("--frames", source.size());
+  options.frames = arguments.count("--frames", source.size(), 1);
   if (options.start >= source.size()) {
     throw UsageError("--start " + std::to_string(options.start) + " is past the recording's " +
                      std::to_string(source.size()) + " frames");
@@ -226,7 +225,7 @@ Options readOptions(const Arguments& arguments, const FrameSource& source) {
 
 int run(const Arguments& arguments, const SystemConfig& config) {
   std::signal(SIGINT, requestStop);
-  std::unique_ptr<FrameSource> source = openRecording(arguments, arguments.positional()[0]);
+  std::unique_ptr<FrameSource> source = openFolderOrBag(arguments);
   const Options options = readOptions(arguments, *source);
   std::error_code failed;
   fs::create_directories(options.masks ? options.out + "/masks" : options.out, failed);
@@ -258,13 +257,11 @@ int run(const Arguments& arguments, const SystemConfig& config) {
 int main(int argc, char** argv) {
   return runTool(argc, argv, kUsage, [&] {
     cv::setNumThreads(1);  // so that thread CPU time is all of it, and sums are added in one order
-    const bool list =
-        std::any_of(argv + 1, argv + argc, [](const char* word) { return word == std::string("--list-config"); });
     const Arguments arguments(argc, argv,
                               {"--camera", "--out", "--config", "--set", "--start", "--frames", "--color-topic",
                                "--depth-topic", "--info-topic"},
-                              {"--deterministic", "--realtime", "--masks", "--list-config"}, list ? 0 : 1);
+                              {"--deterministic", "--realtime", "--masks", "--list-config"}, {0, 1});
     const SystemConfig config = readConfig(arguments);
-    return list ? printConfig(config) : run(arguments, config);
+    return arguments.has("--list-config") ? printConfig(config) : run(arguments, config);
   });
 }

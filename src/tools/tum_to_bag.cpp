@@ -117,6 +117,6 @@ int run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   return runTool(argc, argv, kUsage, [&] {
-    return run(Arguments(argc, argv, {"--camera", "--start", "--frames"}, {"--no-tf", "--mask", "--lz4"}, 2));
+    return run(Arguments(argc, argv, {"--camera", "--start", "--frames"}, {"--no-tf", "--mask", "--lz4"}, {2, 2}));
   });
 }

@@ -143,6 +143,24 @@ class ToolsTest(unittest.TestCase):
         self.assertLess(summary["frames"], FRAMES)
         self.assertTrue(os.path.exists(os.path.join(self.out("cut"), "trajectory.txt")))
 
+    def assert_one_error(self, done, named):
+        self.assertIn(done.returncode, (1, 2))
+        errors = [line for line in done.stderr.splitlines() if not line.startswith(("info:", "warning:"))]
+        self.assertEqual(len(errors), 1, done.stderr)
+        self.assertIn(named, errors[0])
+
+    def test_loops_are_measured_in_a_folder_wherever_its_name_stands(self):
+        done = run("measure_loops", "--verbose", self.sequence, "--camera", self.camera)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        result = json.loads(done.stdout)
+        self.assertEqual((result["recording"], result["frames"]), (self.sequence, FRAMES))
+        self.assertLess(result["ate_m"], 0.01)
+
+    def test_nothing_is_rendered_unasked(self):
+        for name in ("measure_loops", "measure_places"):
+            self.assert_one_error(run(name), "--scenario")
+            self.assert_one_error(run(name, self.sequence), "--camera")
+
     def test_mistakes_are_one_line_that_names_them(self):
         truncated = self.out("truncated.bag")
         run("tum_to_bag", self.sequence, truncated, "--frames", 5)
@@ -161,10 +179,7 @@ class ToolsTest(unittest.TestCase):
         for arguments, named in cases:
             with self.subTest(arguments):
                 done = run("run_offline", *arguments, "--camera", self.camera, "--out", self.out("mistake"))
-                self.assertIn(done.returncode, (1, 2))
-                errors = [line for line in done.stderr.splitlines() if not line.startswith(("info:", "warning:"))]
-                self.assertEqual(len(errors), 1, done.stderr)
-                self.assertIn(named, errors[0])
+                self.assert_one_error(done, named)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@
 namespace semantic_vslam {
 
 Arguments::Arguments(int argc, const char* const* argv, const std::set<std::string>& with_value,
-                     const std::set<std::string>& flags, std::size_t positional_count) {
+                     const std::set<std::string>& flags, Positionals positionals) {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (word.rfind("--", 0) != 0) {
@@ -33,8 +33,10 @@ Arguments::Arguments(int argc, const char* const* argv, const std::set<std::stri
       throw UsageError("option " + name + " needs a value");
     }
   }
-  if (positional_.size() != positional_count) {
-    throw UsageError("expected " + std::to_string(positional_count) + " arguments besides the options, got " +
+  const auto& [least, most] = positionals;
+  if (positional_.size() < least || positional_.size() > most) {
+    throw UsageError("expected " + (least < most ? std::to_string(least) + " to " : "") + std::to_string(most) +
+                     (most == 1 ? " argument" : " arguments") + " besides the options, got " +
                      std::to_string(positional_.size()));
   }
 }
@@ -66,11 +68,13 @@ double Arguments::positiveNumber(const std::string& option, double default_value
   return number;
 }
 
-std::size_t Arguments::count(const std::string& option, std::size_t default_value) const {
+std::size_t Arguments::count(const std::string& option, std::size_t default_value, std::size_t least) const {
   const auto text = value(option);
   if (!text) return default_value;
   const bool digits = !text->empty() && text->size() < 10 && text->find_first_not_of("0123456789") == std::string::npos;
-  if (!digits) throw UsageError("option " + option + " is '" + *text + "', must be a whole number from 0");
+  if (!digits || std::stoul(*text) < least) {
+    throw UsageError("option " + option + " is '" + *text + "', must be a whole number from " + std::to_string(least));
+  }
   return std::stoul(*text);
 }
 

@@ -7,10 +7,10 @@
 namespace semantic_vslam {
 namespace {
 
-Arguments parse(std::vector<const char*> words, std::size_t positional_count = 1) {
+Arguments parse(std::vector<const char*> words, Arguments::Positionals positionals = {1, 1}) {
   words.insert(words.begin(), "tool");
   return Arguments(static_cast<int>(words.size()), words.data(), {"--out", "--set", "--delta"}, {"--json"},
-                   positional_count);
+                   positionals);
 }
 
 int run(std::vector<const char*> words, const std::function<int()>& body) {
@@ -36,6 +36,28 @@ TEST(Arguments, NumbersAreCheckedAndHaveDefaults) {
   }
   for (const char* wrong : {"", "-1", "1.5", "99999999999"}) {
     EXPECT_THROW(parse({"f", "--delta", wrong}).count("--delta", 1), UsageError) << wrong;
+  }
+}
+
+TEST(Arguments, CountHasALeastValue) {
+  EXPECT_EQ(parse({"f", "--delta", "1"}).count("--delta", 5, 1), 1U);
+  EXPECT_EQ(parse({"f"}).count("--delta", 0, 1), 0U);  // what was not given is not judged
+  try {
+    parse({"f", "--delta", "0"}).count("--delta", 5, 1);
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_STREQ(error.what(), "option --delta is '0', must be a whole number from 1");
+  }
+}
+
+TEST(Arguments, PositionalsMayBeLeftOutWithinBounds) {
+  EXPECT_TRUE(parse({"--json"}, {0, 1}).positional().empty());
+  EXPECT_EQ(parse({"--json", "f"}, {0, 1}).positional().size(), 1U);
+  try {
+    parse({"f", "g"}, {0, 1});
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_STREQ(error.what(), "expected 0 to 1 argument besides the options, got 2");
   }
 }
 

@@ -23,11 +23,15 @@ class UsageError : public Error {
 /// Command line of a tool: `--name value`, `--name=value`, `--flag`, and files in between.
 class Arguments {
  public:
+  /// How many arguments are no options.
+  struct Positionals {
+    std::size_t least = 0, most = 0;
+  };
+
   /// @param with_value, flags  known options, with their dashes
-  /// @param positional_count   number of arguments that are no options
   /// @throws UsageError naming what is unknown, missing or too much.
   Arguments(int argc, const char* const* argv, const std::set<std::string>& with_value,
-            const std::set<std::string>& flags, std::size_t positional_count);
+            const std::set<std::string>& flags, Positionals positionals);
 
   const std::vector<std::string>& positional() const { return positional_; }
   bool has(const std::string& option) const;
@@ -37,8 +41,8 @@ class Arguments {
   std::vector<std::string> values(const std::string& option) const;
   /// @throws UsageError if the value is no finite, positive number.
   double positiveNumber(const std::string& option, double default_value) const;
-  /// @throws UsageError if the value is no whole number from 0.
-  std::size_t count(const std::string& option, std::size_t default_value) const;
+  /// @throws UsageError if the value is no whole number from `least`.
+  std::size_t count(const std::string& option, std::size_t default_value, std::size_t least = 0) const;
 
  private:
   std::vector<std::string> positional_;

@@ -73,7 +73,7 @@ class MappingNodelet final : public nodelet::Nodelet {
   void runOnWorker(const Task& task);
 
   // Worker thread
-  void integrate(const KeyframeStamped& keyframe, const std::optional<RgbdMessages>& images);
+  void integrate(const KeyframeStamped& keyframe, const KeyframeImages& images);
   void placeWaiting();
   void startMap(std::uint32_t map_id);
   void publishMaps();
@@ -174,7 +174,7 @@ void MappingNodelet::runOnWorker(const Task& task) {
 }
 
 void MappingNodelet::onKeyframe(const KeyframeStampedConstPtr& message) {
-  // The images are taken now: while the worker waits for labels, newer ones would push them out.
+  // The images are taken now: while the worker waits for labels, newer ones push them out.
   worker_->push(
       [this, message, images = inputs_->imagesNow(fromRos(message->header.stamp))] { integrate(*message, images); });
 }
@@ -206,7 +206,7 @@ void MappingNodelet::onTimer() {
   });
 }
 
-void MappingNodelet::integrate(const KeyframeStamped& keyframe, const std::optional<RgbdMessages>& images) {
+void MappingNodelet::integrate(const KeyframeStamped& keyframe, const KeyframeImages& images) {
   const Stamp stamp = fromRos(keyframe.header.stamp);
   auto input = inputs_->gather(KeyframeId(keyframe.id), stamp, images, label_set_);
   if (!input) return;

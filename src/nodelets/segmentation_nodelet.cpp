@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
+#include <string>
 
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/segmentation/label_picture.h"
@@ -51,7 +52,10 @@ class SegmentationNodelet final : public nodelet::Nodelet {
  private:
   void onInit() override;
   void start();
+  void run(ros::NodeHandle nh);
+  void report(StageDiagnostics::Status& status);
   void openNetwork();
+  std::string problem() const;
   void onPair(const RgbdMessages& messages);
   void onKeyframe(const KeyframeStampedConstPtr& message);
   void onKeyframePoses(const KeyframePoseArrayConstPtr& message);
@@ -63,6 +67,7 @@ class SegmentationNodelet final : public nodelet::Nodelet {
   SegmentationNodeletConfig config_;
   std::optional<RgbdConverter> converter_;  // worker only
   std::optional<SegmentationStage> stage_;  // worker only; none without a network
+  std::atomic<bool> network_failed_{false};
   std::unique_ptr<StampedBuffer<RgbdMessages>> frames_;
   std::atomic<bool> keyframe_seen_{false};
   std::atomic<std::size_t> images_missing_{0};
@@ -100,7 +105,13 @@ void SegmentationNodelet::openNetwork() {
     if (!stage_->enabled()) stage_.reset();  // no model is configured; the stage has said so
   } catch (const ModelError& error) {
     NODELET_ERROR("%s; going on without labels", error.what());
+    network_failed_ = true;
   }
+}
+
+std::string SegmentationNodelet::problem() const {
+  if (network_failed_) return "the network failed: there are no labels";
+  return input_ ? input_->missing() : std::string();
 }
 
 void SegmentationNodelet::start() {
@@ -108,7 +119,15 @@ void SegmentationNodelet::start() {
   ros::NodeHandle nh = getNodeHandle(), private_nh = getPrivateNodeHandle();
   config_ = loadParameters<SegmentationNodeletConfig>(private_nh);
   openNetwork();
-  if (!stage_) return;
+  if (!stage_ && !network_failed_) return;
+  diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "segmentation", config_.budget_ms);
+  if (stage_) run(nh);
+  diagnostics_->start(nh,
+                      {[this] { return problem(); }, [this] { return worker_ ? worker_->counters() : QueueCounters(); },
+                       [this](StageDiagnostics::Status& status) { report(status); }});
+}
+
+void SegmentationNodelet::run(ros::NodeHandle nh) {
   converter_.emplace(config_.input);
   frames_ = std::make_unique<StampedBuffer<RgbdMessages>>(config_.kept_frames);
 
@@ -117,17 +136,16 @@ void SegmentationNodelet::start() {
   info_publisher_ = nh.advertise<LabelInfo>("segmentation/label_info", 1, true);
   info_publisher_.publish(toRos(stage_->labels()));
 
-  diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "segmentation", config_.budget_ms);
   worker_ = std::make_unique<Worker<Stamp>>(
       1, QueuePolicy::kDropOldest, [this](Stamp stamp) { step(stamp); }, WorkerPriority::kKeyframes);
   keyframe_subscriber_ = nh.subscribe("tracking/keyframe", 10, &SegmentationNodelet::onKeyframe, this);
   input_ =
       std::make_unique<RgbdSubscriber>(nh, config_.input, [this](const RgbdMessages& messages) { onPair(messages); });
-  diagnostics_->start(nh, {[this] { return input_->missing(); }, [this] { return worker_->counters(); },
-                           [this](StageDiagnostics::Status& status) {
-                             status.add("frames refused", converter_->refused());
-                             status.add("keyframes without images", images_missing_.load());
-                           }});
+}
+
+void SegmentationNodelet::report(StageDiagnostics::Status& status) {
+  if (converter_) status.add("frames refused", converter_->refused());
+  status.add("keyframes without images", images_missing_.load());
 }
 
 void SegmentationNodelet::onPair(const RgbdMessages& messages) {
@@ -151,6 +169,7 @@ void SegmentationNodelet::onKeyframePoses(const KeyframePoseArrayConstPtr& messa
 }
 
 void SegmentationNodelet::step(Stamp stamp) {
+  if (network_failed_) return;
   // The tracker may be a moment ahead of this nodelet's own pairing.
   const std::optional<RgbdMessages> messages = frames_->waitFor(stamp, std::chrono::milliseconds(500));
   if (!messages) {
@@ -162,6 +181,9 @@ void SegmentationNodelet::step(Stamp stamp) {
   if (!frame) return;
   const cv::Mat1b labels = stage_->process(*frame);
   if (!labels.empty()) publish(messages->rgb->header, *frame, labels);
+  if (stage_->enabled()) return;
+  network_failed_ = true;
+  labels_publisher_.shutdown();  // so that nobody waits for labels any more
 }
 
 void SegmentationNodelet::publish(const std_msgs::Header& header, const RgbdFrame& frame, const cv::Mat1b& labels) {

@@ -41,25 +41,26 @@ KeyframeInputs::KeyframeInputs(ros::NodeHandle nh, const KeyframeInputsConfig& c
   });
 }
 
-std::optional<DenseInput> KeyframeInputs::gather(KeyframeId id, Stamp stamp, std::optional<RgbdMessages> images,
+std::optional<DenseInput> KeyframeInputs::gather(KeyframeId id, Stamp stamp, KeyframeImages images,
                                                  const LabelSet& label_set) {
-  if (!images) images = frames_.waitFor(stamp, kPairingWait);
-  if (!images) {
+  if (!images.pair) images.pair = frames_.waitFor(stamp, kPairingWait);
+  if (!images.pair) {
     ++images_missing_;
     return std::nullopt;
   }
-  const auto labels = labels_.waitFor(stamp, milliseconds(config_.labels_wait_s));
-  if (config_.labels_wait_s > 0 && !labels) ++labels_missing_;
+  if (!images.mask) images.mask = masks_.waitFor(stamp, milliseconds(motionRuns() ? config_.mask_wait_s : 0.0));
+  if (!images.mask) ++masks_missing_;
+  const auto labels = labels_.waitFor(stamp, milliseconds(networkRuns() ? config_.labels_wait_s : 0.0));
+  if (!labels && networkRuns()) {  // still: a network that broke down meanwhile labels nothing any more
+    ++unlabelled_;
+    return std::nullopt;
+  }
+  if (!images.mask && !labels && motionRuns()) return std::nullopt;
 
-  const bool motion_runs = mask_subscriber_.getNumPublishers() > 0;
-  const auto mask = masks_.waitFor(stamp, milliseconds(motion_runs ? config_.mask_wait_s : 0.0));
-  if (!mask) ++masks_missing_;
-  if (!mask && !labels && motion_runs) return std::nullopt;  // nobody can say where people are in it
-
-  const std::optional<RgbdFrame> frame = converter_.convert(*images);
+  const std::optional<RgbdFrame> frame = converter_.convert(*images.pair);
   if (!frame) return std::nullopt;
   DenseInput input{id, *frame, labels.value_or(cv::Mat1b()), cv::Mat1b()};
-  input.dynamic = withMovingObjects(mask.value_or(cv::Mat1b()), input.labels, label_set);
+  input.dynamic = withMovingObjects(images.mask.value_or(cv::Mat1b()), input.labels, label_set);
   return input;
 }
 
@@ -76,7 +77,7 @@ void KeyframeInputs::report(StageDiagnostics::Status& status) const {
   status.add("frames refused", converter_.refused());
   status.add("keyframes without images", images_missing_.load());
   status.add("keyframes without mask", masks_missing_.load());
-  status.add("keyframes without labels", labels_missing_.load());
+  status.add("keyframes left out for want of labels", unlabelled_.load());
 }
 
 void KeyframeInputs::close() {

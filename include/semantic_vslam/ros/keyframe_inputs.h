@@ -31,7 +31,7 @@ struct DecisionConfig {
 };
 
 struct KeyframeInputsConfig {
-  double labels_wait_s = 0.0;
+  double labels_wait_s = 3.0;
   double mask_wait_s = 0.5;
   int kept_frames = 30;
   RgbdInputConfig input;
@@ -40,12 +40,18 @@ struct KeyframeInputsConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("labels_wait_s", labels_wait_s, 0.0, 30.0,
-            "s a keyframe waits for its labels before it enters the map without; 0 where no network runs");
+            "s a keyframe waits for its labels while a network runs; without them it stays out of the map");
     v.field("mask_wait_s", mask_wait_s, 0.0, 30.0, "s a keyframe waits for its motion mask");
     v.field("kept_frames", kept_frames, 2, 300, "newest images that wait for the tracker to name one of them");
     v.group("input", input);
     v.group("segmentation", segmentation);
   }
+};
+
+/// What is kept of a keyframe from when it is named until its turn comes: by then newer frames have pushed it out.
+struct KeyframeImages {
+  std::optional<RgbdMessages> pair;
+  std::optional<cv::Mat1b> mask;
 };
 
 /// Gathers by stamp what belongs to a keyframe: images, motion mask and labels, which come on topics of their own and
@@ -55,14 +61,13 @@ class KeyframeInputs {
   /// @throws FileError or ConfigError for a camera file that does not load
   KeyframeInputs(ros::NodeHandle nh, const KeyframeInputsConfig& config);
 
-  /// The images of a keyframe if they are here already. To be taken as soon as it is named: while earlier keyframes
-  /// wait for labels, newer images push them out.
-  std::optional<RgbdMessages> imagesNow(Stamp stamp) const { return frames_.find(stamp); }
+  /// What is here already of a keyframe. To be called as soon as it is named.
+  KeyframeImages imagesNow(Stamp stamp) const { return {frames_.find(stamp), masks_.find(stamp)}; }
   /// Waits for what is missing, at most the times in the configuration. One thread makes all calls.
   /// @param labels  that segmentation uses
-  /// @return nothing if there are no images, or nobody can say where people are in them: counted
-  std::optional<DenseInput> gather(KeyframeId id, Stamp stamp, std::optional<RgbdMessages> images,
-                                   const LabelSet& labels);
+  /// @return nothing if there are no images, or nobody can say where people are in them, or a network runs but passed
+  ///         this keyframe over (people who stand would be in it): counted
+  std::optional<DenseInput> gather(KeyframeId id, Stamp stamp, KeyframeImages images, const LabelSet& labels);
 
   std::string missing() const { return images_ ? images_->missing() : std::string(); }
   void report(StageDiagnostics::Status& status) const;
@@ -70,14 +75,16 @@ class KeyframeInputs {
   void close();
 
  private:
+  bool motionRuns() const { return mask_subscriber_.getNumPublishers() > 0; }
+  bool networkRuns() const { return labels_subscriber_.getNumPublishers() > 0; }
   cv::Mat1b withMovingObjects(const cv::Mat1b& mask, const cv::Mat1b& labels, const LabelSet& label_set) const;
 
   const KeyframeInputsConfig config_;
   RgbdConverter converter_;  // gather()'s thread only, but for refused()
   StampedBuffer<RgbdMessages> frames_;
-  StampedBuffer<cv::Mat1b> masks_{90};  // 3 s: longer than labels let a keyframe wait
-  StampedBuffer<cv::Mat1b> labels_{10};
-  std::atomic<std::size_t> images_missing_{0}, masks_missing_{0}, labels_missing_{0};
+  StampedBuffer<cv::Mat1b> masks_{30};
+  StampedBuffer<cv::Mat1b> labels_{64};  // of as many keyframes as may wait for the map
+  std::atomic<std::size_t> images_missing_{0}, masks_missing_{0}, unlabelled_{0};
 
   // Last, so that callbacks stop before what they use is gone.
   ros::Subscriber mask_subscriber_, labels_subscriber_;

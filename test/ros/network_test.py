@@ -1,0 +1,81 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Plays the rendered recording through a system with a network, or with one that does not load."""
+import sys
+import unittest
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from semantic_vslam.msg import TrackingReport
+from sensor_msgs.msg import Image
+from slam_test import Listener, play, rendered_bag, wait_until
+from std_srvs.srv import Trigger
+
+
+class RunningSystem(unittest.TestCase):
+    """A system that takes images, and what it says."""
+
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("network_test")
+        cls.seen, cls.labels, cls.status = Listener(), [], {}
+        cls.subscribers = [rospy.Subscriber("segmentation/labels", Image, cls.labels.append, queue_size=500),
+                           rospy.Subscriber("/diagnostics", DiagnosticArray, cls.on_diagnostics)]
+        wait_until(lambda: len(cls.status) == 4, 60, "a report of each stage")
+
+    @classmethod
+    def on_diagnostics(cls, message):
+        for status in message.status:
+            cls.status[status.name.split()[-1]] = status
+
+    def wait_for_tracking(self):
+        wait_until(lambda: self.seen.states and self.seen.states[-1].state == TrackingReport.OK, 20, "tracking")
+
+    def wait_for_new_map(self, map_id):
+        wait_until(lambda: self.seen.newest["tracking/keyframe_poses"].map_id != map_id, 20, "a new map")
+        wait_until(lambda: self.seen.newest["tracking/keyframe_poses"].keyframes, 20, "keyframes of the new map")
+
+    def map_id(self):
+        return self.seen.newest["tracking/keyframe_poses"].map_id
+
+
+class NetworkTest(RunningSystem):
+    def label_the_start(self, *options):
+        """Plays, and expects that tracking begins with labels in less than it would wait for them."""
+        self.labels.clear()
+        self.seen.keyframes.clear()
+        self.seen.states.clear()
+        play(rendered_bag(), "--duration", "2", *options)  # 8 s, less than init_wait_s
+        self.wait_for_tracking()
+        named = {keyframe.header.stamp for keyframe in self.seen.keyframes}
+        self.assertTrue([image for image in self.labels if image.header.stamp not in named],
+                        "no image was labelled before the first keyframe was named")
+
+    def test_every_start_is_labelled(self):
+        self.label_the_start()
+        wait_until(lambda: "mapping/semantic_cloud" in self.seen.newest, 30, "a semantic cloud")
+        self.assertEqual(self.status["segmentation"].level, DiagnosticStatus.OK, self.status["segmentation"].message)
+        first_map = self.map_id()
+        self.label_the_start()  # the stamps go back
+        self.wait_for_new_map(first_map)
+        second_map = self.map_id()
+        self.assertTrue(rospy.ServiceProxy("/slam_tracking/reset", Trigger)().success)
+        self.label_the_start("--start", "2")
+        self.wait_for_new_map(second_map)
+
+
+class BrokenNetworkTest(RunningSystem):
+    def test_goes_on_without_labels_and_says_so(self):
+        self.assertEqual(self.status["segmentation"].level, DiagnosticStatus.ERROR)
+        self.assertIn("network failed", self.status["segmentation"].message)
+        play(rendered_bag())
+        self.wait_for_tracking()
+        wait_until(lambda: "mapping/semantic_cloud" in self.seen.newest, 30, "a semantic cloud")
+        self.assertGreater(self.seen.newest["mapping/semantic_cloud"].width, 2000)
+        self.assertEqual(self.labels, [])
+
+
+if __name__ == "__main__":
+    import rostest
+    rostest.rosrun("semantic_vslam", "network_test", BrokenNetworkTest if "broken" in sys.argv else NetworkTest)

@@ -43,7 +43,7 @@ struct SegmentationNodeletConfig {
 };
 
 /// Images of keyframes -> segmentation/labels (mono8, index into label_info), segmentation/label_info (latched),
-/// segmentation/overlay when watched. Until the first keyframe is named every image is offered, so that tracking can
+/// segmentation/overlay when watched. While the tracker has no keyframe every image is offered, so that it can
 /// initialise without people. Newest wins: what the network has no time for is never labelled.
 class SegmentationNodelet final : public nodelet::Nodelet {
  public:
@@ -71,7 +71,6 @@ class SegmentationNodelet final : public nodelet::Nodelet {
   std::unique_ptr<StampedBuffer<RgbdMessages>> frames_;
   std::atomic<bool> keyframe_seen_{false};
   std::atomic<std::size_t> images_missing_{0};
-  Stamp newest_pair_;  // callback thread only
 
   ros::Publisher labels_publisher_, info_publisher_, overlay_publisher_;
   std::unique_ptr<StageDiagnostics> diagnostics_;
@@ -139,6 +138,7 @@ void SegmentationNodelet::run(ros::NodeHandle nh) {
   worker_ = std::make_unique<Worker<Stamp>>(
       1, QueuePolicy::kDropOldest, [this](Stamp stamp) { step(stamp); }, WorkerPriority::kKeyframes);
   keyframe_subscriber_ = nh.subscribe("tracking/keyframe", 10, &SegmentationNodelet::onKeyframe, this);
+  keyframe_poses_subscriber_ = nh.subscribe("tracking/keyframe_poses", 1, &SegmentationNodelet::onKeyframePoses, this);
   input_ =
       std::make_unique<RgbdSubscriber>(nh, config_.input, [this](const RgbdMessages& messages) { onPair(messages); });
 }
@@ -150,11 +150,6 @@ void SegmentationNodelet::report(StageDiagnostics::Status& status) {
 
 void SegmentationNodelet::onPair(const RgbdMessages& messages) {
   const Stamp stamp = fromRos(messages.rgb->header.stamp);
-  if (stamp < newest_pair_) {
-    NODELET_WARN("stamps went back: every image is offered again until the next keyframe");
-    keyframe_seen_ = false;
-  }
-  newest_pair_ = stamp;
   frames_->put(stamp, messages);
   if (!keyframe_seen_) worker_->push(stamp);
 }
@@ -165,7 +160,7 @@ void SegmentationNodelet::onKeyframe(const KeyframeStampedConstPtr& message) {
 }
 
 void SegmentationNodelet::onKeyframePoses(const KeyframePoseArrayConstPtr& message) {
-  if (message->keyframes.empty()) keyframe_seen_ = false;  // the tracker was reset and will start again
+  keyframe_seen_ = !message->keyframes.empty();  // a tracker that dropped its map will start again
 }
 
 void SegmentationNodelet::step(Stamp stamp) {

@@ -72,8 +72,8 @@ class TrackingNodelet final : public nodelet::Nodelet {
   std::mutex step_mutex_;             // a frame and its publication are one with the map they belong to
   std::unique_ptr<SparseSlam> slam_;  // step() by the worker only
   std::unique_ptr<TrackingPublisher> publisher_;
-  std::unique_ptr<MotionMaskInput> masks_;  // worker only
-  Stamp last_stamp_;                        // worker only
+  std::unique_ptr<MotionMaskInput> masks_;
+  Stamp last_stamp_;  // worker only
   std::atomic<TrackingState> state_{TrackingState::kInitialising};
   std::atomic<int> inliers_{0};
   std::atomic<bool> paused_{false};
@@ -170,6 +170,7 @@ void TrackingNodelet::dropMap() {
   std::lock_guard<std::mutex> lock(step_mutex_);
   slam_->reset();
   publisher_->startMap(TrackingPublisher::Anchor::kAtNextFrame);
+  masks_->restart();
   state_ = TrackingState::kInitialising;
 }
 

@@ -28,19 +28,25 @@ void MotionMaskInput::onMask(const sensor_msgs::ImageConstPtr& message) {
 
 /// The first labels are in the motion masks from the next mask on.
 void MotionMaskInput::onLabels(const sensor_msgs::ImageConstPtr&) {
-  labels_in_masks_after_ns_ = masks_.newest().value_or(Stamp{}).ns;
-  labels_seen_ = true;
-  labels_subscriber_.shutdown();
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (!labels_in_masks_after_) labels_in_masks_after_ = masks_.newest().value_or(Stamp{});
 }
 
 bool MotionMaskInput::readyToStart(Stamp stamp) {
   if (config_.init_wait_s <= 0) return true;
-  if (labels_seen_) return stamp.ns > labels_in_masks_after_ns_;
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (labels_in_masks_after_ && stamp > *labels_in_masks_after_) return true;
   const ros::SteadyTime now = ros::SteadyTime::now();
   if (!waiting_since_) waiting_since_ = now;
   if ((now - *waiting_since_).toSec() < config_.init_wait_s) return false;
   ROS_WARN_ONCE("no labels within init_wait_s: starting without");
   return true;
+}
+
+void MotionMaskInput::restart() {
+  std::lock_guard<std::mutex> lock(mutex_);
+  labels_in_masks_after_.reset();
+  waiting_since_.reset();
 }
 
 cv::Mat1b MotionMaskInput::maskOf(const std_msgs::Header& image, cv::Size size) {

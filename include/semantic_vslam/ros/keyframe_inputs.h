@@ -83,7 +83,8 @@ class KeyframeInputs {
   RgbdConverter converter_;  // gather()'s thread only, but for refused()
   StampedBuffer<RgbdMessages> frames_;
   StampedBuffer<cv::Mat1b> masks_{30};
-  StampedBuffer<cv::Mat1b> labels_{64};  // of as many keyframes as may wait for the map
+  // Of as many keyframes as may wait for the map; k1 is named after later frames have been labelled.
+  StampedBuffer<cv::Mat1b> labels_{64, 2.0};
   std::atomic<std::size_t> images_missing_{0}, masks_missing_{0}, unlabelled_{0};
 
   // Last, so that callbacks stop before what they use is gone.

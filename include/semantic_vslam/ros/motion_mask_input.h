@@ -7,8 +7,7 @@
 #include <sensor_msgs/Image.h>
 #include <std_msgs/Header.h>
 
-#include <atomic>
-#include <cstdint>
+#include <mutex>
 #include <opencv2/core.hpp>
 #include <optional>
 
@@ -30,14 +29,15 @@ struct MotionMaskConfig {
 };
 
 /// The motion masks of frames, by stamp, and whether people of the first labels are in them yet. Subscribes to
-/// motion/mask and, where the start waits for labels, to segmentation/labels until the first ones have come. One thread
-/// makes all calls.
+/// motion/mask and, where the start waits for labels, to segmentation/labels. Thread-safe.
 class MotionMaskInput {
  public:
   MotionMaskInput(ros::NodeHandle nh, const MotionMaskConfig& config);
 
   /// @return whether the people of the first frames are known, or need not be waited for any longer.
   bool readyToStart(Stamp stamp);
+  /// Tracking dropped its map: the start waits for labels again.
+  void restart();
   /// Waits for the mask of a frame, at most the time in the configuration, and not at all if nobody makes masks.
   /// @return empty if it did not come or does not fit
   cv::Mat1b maskOf(const std_msgs::Header& image, cv::Size size);
@@ -52,9 +52,9 @@ class MotionMaskInput {
 
   const MotionMaskConfig config_;
   StampedBuffer<cv::Mat1b> masks_{30};
-  std::atomic<bool> labels_seen_{false};
-  std::atomic<std::int64_t> labels_in_masks_after_ns_{0};
-  std::optional<ros::SteadyTime> waiting_since_;
+  std::mutex mutex_;
+  std::optional<Stamp> labels_in_masks_after_;           // guarded by mutex_; set by the first labels
+  std::optional<ros::SteadyTime> waiting_since_;         // guarded by mutex_
   ros::Subscriber mask_subscriber_, labels_subscriber_;  // last: callbacks use the above
 };
 

@@ -17,12 +17,14 @@ namespace semantic_vslam {
 template <class T>
 class StampedBuffer {
  public:
-  explicit StampedBuffer(std::size_t capacity) : capacity_(capacity) {}
+  /// @param disorder_s  by how much a stream's stamps may go back within one recording
+  explicit StampedBuffer(std::size_t capacity, double disorder_s = 0.0)
+      : capacity_(capacity), disorder_s_(disorder_s) {}
 
-  /// Adds or replaces. When full, the oldest goes. A stamp far before the newest begins a new recording: all else goes.
+  /// Adds or replaces. When full, the oldest goes. A stamp that goes back begins a new recording: all else goes.
   void put(Stamp stamp, T value) {
     std::lock_guard<std::mutex> lock(mutex_);
-    if (!values_.empty() && secondsBetween(stamp, values_.rbegin()->first) > kRestartS) values_.clear();
+    if (!values_.empty() && secondsBetween(stamp, values_.rbegin()->first) > disorder_s_) values_.clear();
     values_[stamp] = std::move(value);
     if (values_.size() > capacity_) values_.erase(values_.begin());
     changed_.notify_all();
@@ -47,11 +49,6 @@ class StampedBuffer {
     return values_.empty() ? std::nullopt : std::optional<Stamp>(values_.rbegin()->first);
   }
 
-  void clear() {
-    std::lock_guard<std::mutex> lock(mutex_);
-    values_.clear();
-  }
-
   /// Wakes every waiter for good.
   void close() {
     std::lock_guard<std::mutex> lock(mutex_);
@@ -65,10 +62,8 @@ class StampedBuffer {
     return found == values_.end() ? std::nullopt : std::optional<T>(found->second);
   }
 
-  // Streams are in order but for labels of a frame that was chosen late; a bag played again jumps further than that.
-  static constexpr double kRestartS = 2.0;
-
   const std::size_t capacity_;
+  const double disorder_s_;
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   std::map<Stamp, T> values_;  // guarded by mutex_

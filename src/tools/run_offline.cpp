@@ -21,9 +21,9 @@
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
 #include "semantic_vslam/core/eval/open_recording.h"
-#include "semantic_vslam/core/eval/run_recorder.h"
 #include "semantic_vslam/core/io/image_file.h"
 #include "semantic_vslam/core/io/read_ahead.h"
+#include "semantic_vslam/core/pipeline/run_recorder.h"
 #include "semantic_vslam/core/pipeline/slam_runner.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"
 #include "semantic_vslam/ros/bag_source.h"
@@ -198,7 +198,7 @@ void runInRealTime(FrameSource& source, std::size_t wanted, SlamSystem& system, 
     if (!frame) break;
     pacer.wait(frame->stamp);
     truths.push({frame->stamp, source.groundTruthMask()});
-    runner.push(*frame);
+    if (!runner.push(*frame)) break;
   }
   runner.finish();
   output.report().dropped_late = runner.dropped();

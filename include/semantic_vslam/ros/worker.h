@@ -40,7 +40,7 @@ class Worker {
 
  private:
   void run(WorkerPriority priority) {
-    if (priority == WorkerPriority::kKeyframes) yieldToFrames();
+    if (priority == WorkerPriority::kKeyframes) lowerThreadPriority();
     while (std::optional<T> item = queue_.pop()) handler_(std::move(*item));
   }
 

@@ -44,7 +44,7 @@ void LatestTask::wait() {
 }
 
 void LatestTask::run() {
-  yieldToFrames();
+  lowerThreadPriority();
   std::unique_lock<std::mutex> lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return closed_ || next_; });

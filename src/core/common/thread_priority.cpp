@@ -8,7 +8,7 @@
 
 namespace semantic_vslam {
 
-void yieldToFrames() {
+void lowerThreadPriority() {
   // Each step of nice takes a fifth of a thread's share: 10 leave it a tenth against one that works on frames.
   constexpr int kNice = 10;
   const auto thread = static_cast<id_t>(syscall(SYS_gettid));  // Linux counts nice by thread

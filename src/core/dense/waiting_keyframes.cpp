@@ -7,10 +7,7 @@
 
 namespace semantic_vslam {
 
-void WaitingKeyframes::add(DenseInput keyframe) {
-  waiting_.push_back(std::move(keyframe));
-  if (waiting_.size() > kMost) waiting_.pop_front();
-}
+void WaitingKeyframes::add(DenseInput keyframe) { waiting_.push_back(std::move(keyframe)); }
 
 void WaitingKeyframes::place(const std::vector<KeyframePose>& poses, DenseMapper& map) {
   std::deque<DenseInput> still_waiting;
@@ -23,6 +20,7 @@ void WaitingKeyframes::place(const std::vector<KeyframePose>& poses, DenseMapper
       map.add(keyframe.id, keyframe.frame, keyframe.labels, keyframe.dynamic, own->T_world_camera);
     }
   }
+  while (still_waiting.size() > kMost) still_waiting.pop_front();
   waiting_ = std::move(still_waiting);
 }
 

@@ -102,6 +102,7 @@ std::string toJson(const RunReport& r) {
   json.field("posed_share", r.posedShare());
   json.field("keyframes", r.keyframes);
   json.field("landmarks", r.landmarks);
+  json.field("keyframes_passed_over", r.keyframes_passed_over);
   writeErrors(json, r);
   writeMask(json, r.mask);
   writeMotion(json, r.motion);
@@ -150,6 +151,10 @@ std::string toText(const RunReport& r) {
     const TimeQuantiles latency = quantilesOf(r.latency_ms);
     text += format("real time: %zu frames dropped; pose after %.0f ms (median), %.0f (p95), %.0f (worst)\n",
                    r.dropped_late, latency.median_ms, latency.p95_ms, latency.worst_ms);
+    if (r.keyframes_passed_over > 0) {
+      text +=
+          format("%zu keyframes are not in the dense map: segmentation was too far behind\n", r.keyframes_passed_over);
+    }
   }
   text += format("%-20s %7s %12s %9s %9s\n", "stage", "count", "cpu ms: med", "p95", "worst");
   for (const StageSummary& stage : r.stages) {

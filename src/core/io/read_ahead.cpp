@@ -37,6 +37,7 @@ void ReadAhead::read() {
       item.frame = source_->next();
       if (item.frame) item.mask = source_->groundTruthMask();
     } catch (...) {
+      item.frame.reset();
       item.error = std::current_exception();
     }
     item.skipped_broken = source_->skippedBroken();

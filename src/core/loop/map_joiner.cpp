@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "semantic_vslam/core/common/log.h"
+
 namespace semantic_vslam {
 namespace {
 
@@ -12,7 +14,7 @@ constexpr int kAgreeing = 3;
 // Twice the spread of a pose found by relocalisation (RelocalizerConfig::max_sigma_m), seen from either side.
 constexpr double kMaxApartM = 0.05, kMaxApartRad = 0.05;
 // Every so many frames are looked up: it takes as long as tracking does.
-constexpr std::uint64_t kSeekEvery = 3;
+constexpr int kSeekEvery = 3;
 
 }  // namespace
 
@@ -29,18 +31,20 @@ bool joinTrees(Map& map, LoopClosure& closure) {
     map.hangTree(closure.matched, closure.current);
     closure.T_current_world = T_current_own;
   }
+  logInfo("the new map is joined with the old one");
   return true;
 }
 
 std::vector<KeyframeId> abandonedTrees(const Map& map, KeyframeId camera_at, int min_keyframes) {
   std::map<KeyframeId, int> sizes;
-  for (const auto& [id, keyframe] : map.keyframes()) {
-    static_cast<void>(keyframe);
-    ++sizes[map.rootOf(id)];
+  for (const auto& [id, root] : map.roots()) {
+    static_cast<void>(id);
+    ++sizes[root];
   }
+  const KeyframeId own_root = map.rootOf(camera_at);
   std::vector<KeyframeId> abandoned;
   for (const auto& [root, keyframes] : sizes) {
-    if (keyframes < min_keyframes && !map.isPlaced(root) && root != map.rootOf(camera_at)) abandoned.push_back(root);
+    if (keyframes < min_keyframes && root != map.worldRoot() && root != own_root) abandoned.push_back(root);
   }
   return abandoned;
 }
@@ -55,7 +59,7 @@ bool JoinEvidence::add(const SE3& T_new_camera, const SE3& T_old_camera) {
 
 std::optional<LoopClosure> WorldSeeker::seek(const Map& map, const PlaceIndex& places, const TrackedFrame& frame,
                                              const SE3& T_camera_own) {
-  if (frame.index % kSeekEvery != 0) return std::nullopt;
+  if (frames_++ % kSeekEvery != 0) return std::nullopt;
   auto found =
       relocalise(map, places, frame, tracker_, relocalisation_, [&map](KeyframeId id) { return map.isPlaced(id); });
   if (!found || !evidence_.add(T_camera_own.inverse(), found->T_camera_world.inverse())) return std::nullopt;

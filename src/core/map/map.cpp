@@ -153,10 +153,10 @@ void Map::removeKeyframe(KeyframeId id) {
 
 std::vector<KeyframeId> Map::removeTree(KeyframeId root) {
   std::vector<KeyframeId> members;
-  for (const auto& [id, keyframe] : keyframes_) {
-    static_cast<void>(keyframe);
-    if (rootOf(id) == root) members.push_back(id);
+  for (const auto& [id, own_root] : roots()) {
+    if (own_root == root) members.push_back(id);
   }
+  std::sort(members.begin(), members.end());
   for (const KeyframeId id : members) forgetKeyframe(id);
   return members;
 }
@@ -243,6 +243,26 @@ KeyframeId Map::rootOf(KeyframeId id) const {
   return member ? member->id : KeyframeId();
 }
 
+std::unordered_map<KeyframeId, KeyframeId> Map::roots() const {
+  std::unordered_map<KeyframeId, KeyframeId> roots;
+  std::vector<KeyframeId> way;
+  for (const auto& [id, keyframe] : keyframes_) {
+    static_cast<void>(keyframe);
+    KeyframeId at = id;
+    while (roots.count(at) == 0) {
+      way.push_back(at);
+      const KeyframeId parent = keyframes_.at(at).parent;
+      if (!parent.valid()) break;
+      at = parent;
+    }
+    const auto known = roots.find(at);
+    const KeyframeId root = known == roots.end() ? at : known->second;
+    for (const KeyframeId passed : way) roots[passed] = root;
+    way.clear();
+  }
+  return roots;
+}
+
 bool Map::apply(const MapSolution& solution, std::uint64_t version) {
   if (version != version_) return false;
   for (const auto& [id, T_camera_world] : solution.T_camera_world) setPose(id, T_camera_world);
@@ -274,8 +294,9 @@ void Map::addLoopEdge(KeyframeId a, KeyframeId b) {
 
 void Map::moveTree(KeyframeId root, const SE3& T_new_old) {
   std::set<LandmarkId> seen;
+  const auto root_of = roots();
   for (auto& [id, keyframe] : keyframes_) {
-    if (rootOf(id) != root) continue;
+    if (root_of.at(id) != root) continue;
     keyframe.T_camera_world = keyframe.T_camera_world * T_new_old.inverse();
     for (const LandmarkId landmark : keyframe.landmarks) {
       if (landmark.valid()) seen.insert(landmark);

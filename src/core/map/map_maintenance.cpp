@@ -78,6 +78,7 @@ KeyframeId insertKeyframe(Map& map, const TrackedFrame& frame, const SensorConfi
 
 int cullRecentLandmarks(Map& map, KeyframeId newest, const MapMaintenanceConfig& config) {
   std::vector<LandmarkId> dropped;
+  const auto roots = map.roots();
   for (const auto& [id, landmark] : map.landmarks()) {
     const std::uint64_t age = newest.value() - landmark.created_in.value();
     if (age > static_cast<std::uint64_t>(config.probation_keyframes)) continue;
@@ -87,7 +88,7 @@ int cullRecentLandmarks(Map& map, KeyframeId newest, const MapMaintenanceConfig&
         age + 1 >= static_cast<std::uint64_t>(config.probation_keyframes) && landmark.observations.size() < 2;
     if (!rarely_found && !unconfirmed) continue;
     // Keyframes of a map begun elsewhere had no chance to see it.
-    if (map.rootOf(landmark.reference_keyframe) == map.rootOf(newest)) dropped.push_back(id);
+    if (roots.at(landmark.reference_keyframe) == roots.at(newest)) dropped.push_back(id);
   }
   std::sort(dropped.begin(), dropped.end());
   for (const LandmarkId id : dropped) map.removeLandmark(id);

@@ -230,6 +230,7 @@ MotionResult MotionDetector::compose(const Estimate& estimate, const cv::Mat2f& 
   result.model = estimate.model;
   result.T_current_previous = estimate.camera.T_previous_current.inverse();
   result.inliers = estimate.inliers;
+  result.labels = propagation_.maskStamp();
   result.dynamic_share = static_cast<double>(cv::countNonZero(result.dynamic >= 128)) / result.dynamic.total();
   return result;
 }

@@ -112,12 +112,6 @@ inline float sampleGray(const cv::Mat1b& gray, float x, float y) {
   return upper + dy * (lower - upper);
 }
 
-/// Brightness of a cell: the mean of its four gray pixels.
-float cellGray(const cv::Mat1b& gray, int x, int y) {
-  const uchar *top = gray[2 * y] + 2 * x, *bottom = gray[2 * y + 1] + 2 * x;
-  return 0.25F * static_cast<float>(top[0] + top[1] + bottom[0] + bottom[1]);
-}
-
 }  // namespace
 
 RigidFlowResidual computeRigidFlowResidual(const GridFrame& previous, const GridFrame& current,
@@ -155,7 +149,7 @@ cv::Mat1f compareBrightness(const GridFrame& previous, const GridFrame& current,
     for (int x = 0; x < gain.cols; ++x) {
       if (!(sigmas[x] > kNoiseSigmas) || hidden[x]) continue;  // NaN too
       const auto column = static_cast<float>(x), row = static_cast<float>(y);
-      const float here = cellGray(current.gray, x, y);
+      const auto here = static_cast<float>(current.cell_gray(y, x));
       const float by_rigid = sampleGray(previous.gray, toGray(rigid[x][0]), toGray(rigid[x][1]));
       const float by_flow = sampleGray(previous.gray, toGray(column - flow[x][0]), toGray(row - flow[x][1]));
       gain(y, x) = std::abs(here - by_rigid) - std::abs(here - by_flow);

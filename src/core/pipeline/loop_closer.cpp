@@ -23,28 +23,40 @@ LoopCloser::LoopCloser(const SparseSlamConfig& config, SharedMap& map)
 
 bool LoopCloser::closeAt(KeyframeId keyframe) {
   std::optional<LoopClosure> closure;
-  PoseGraphProblem graph;
   {
     std::lock_guard<std::mutex> lock(shared_.mutex);
     if (!shared_.map.keyframe(keyframe)) return false;
     closure = detector_.detect(shared_.map, shared_.places, keyframe);
     if (!closure) return false;
-    if (shared_.changeLocked([&] { return joinTrees(shared_.map, *closure); })) logInfo(kMapsJoined);
-    graph = selectLoop(shared_.map, *closure, config_.loop_correction);
+    detector_.reset();
+    shared_.changeLocked([&] { return joinTrees(shared_.map, *closure); });
   }
-  const MapSolution solution = solve(graph, config_.loop_correction.graph, nullptr);
+  // The map that a correction was computed for may have changed meanwhile: by a bundle of the whole map, or a map
+  // joined by tracking. Both are rare, so that the second or third attempt meets none.
+  constexpr int kAttempts = 3;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    if (!correct(*closure)) continue;
+    logInfo("loop closed: this place was seen before");
+    return true;
+  }
+  return false;
+}
+
+bool LoopCloser::correct(const LoopClosure& closure) {
+  PoseGraphProblem graph;
   {
     std::lock_guard<std::mutex> lock(shared_.mutex);
-    const bool applied = shared_.changeLocked([&] {
-      return applyLoop(shared_.map, *closure, solution, graph.map_version,
-                       config_.tracking.frame.sensor.virtual_baseline_m, config_.loop_correction);
-    });
-    detector_.reset();
-    if (!applied) return false;
-    closed_.push_back(recordOf(shared_.map, *closure));
+    if (!shared_.map.keyframe(closure.current) || !shared_.map.keyframe(closure.matched)) return false;
+    graph = selectLoop(shared_.map, closure, config_.loop_correction);
   }
-  logInfo("loop closed: this place was seen before");
-  return true;
+  const MapSolution solution = solve(graph, config_.loop_correction.graph, nullptr);
+  std::lock_guard<std::mutex> lock(shared_.mutex);
+  const bool applied = shared_.changeLocked([&] {
+    return applyLoop(shared_.map, closure, solution, graph.map_version,
+                     config_.tracking.frame.sensor.virtual_baseline_m, config_.loop_correction);
+  });
+  if (applied) closed_.push_back(recordOf(shared_.map, closure));
+  return applied;
 }
 
 void LoopCloser::adjustAll(const std::atomic<bool>& abort) {

@@ -20,22 +20,40 @@ SlamRunner::SlamRunner(SlamSystem& system, Sink sink)
       sink_(std::move(sink)),
       frames_(kWaitingFrames, QueuePolicy::kDropOldest),
       observed_(kWaitingObserved, QueuePolicy::kBlock),
-      observer_([this] { observe(); }),
-      tracker_([this] { track(); }) {}
+      observer_([this] { guarded([this] { observe(); }); }),
+      tracker_([this] { guarded([this] { track(); }); }) {}
 
-SlamRunner::~SlamRunner() { finish(); }
+SlamRunner::~SlamRunner() { join(); }
 
 void SlamRunner::finish() {
+  join();
+  if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
+}
+
+void SlamRunner::join() {
   frames_.close();
   if (observer_.joinable()) observer_.join();
   observed_.close();
   if (tracker_.joinable()) tracker_.join();
 }
 
+void SlamRunner::guarded(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (...) {
+    {
+      std::lock_guard<std::mutex> lock(error_mutex_);
+      if (!error_) error_ = std::current_exception();
+    }
+    frames_.close();
+    observed_.close();
+  }
+}
+
 void SlamRunner::observe() {
   while (const std::optional<RgbdFrame> frame = frames_.pop()) {
     std::optional<ObservedFrame> observed = system_.observe(*frame);
-    if (observed) observed_.push(std::move(*observed));
+    if (observed && !observed_.push(std::move(*observed))) return;
   }
 }
 

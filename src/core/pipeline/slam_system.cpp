@@ -19,8 +19,8 @@ constexpr std::size_t kKeyframeJobs = 16;
 // show the same place.
 constexpr std::size_t kMostBehindSegmentation = 4;
 
-// While there is no map, labels are carried on by the motion stage for this long before a frame is segmented anew: k2
-// follows k1 at once, and where it does not fit people have moved on after half a second.
+// While there is no map, labels that the motion stage carries on are good for this long: k2 follows k1 at once, and
+// where it does not fit people have moved on after half a second.
 constexpr double kFirstLabelsHoldS = 0.5;
 
 cv::Mat1b unite(const cv::Mat1b& dynamic, const cv::Mat1b& removal) {
@@ -72,7 +72,9 @@ StepResult SlamSystem::track(ObservedFrame observed) {
   StepResult result;
   const RgbdFrame& frame = observed.frame;
   result.motion = std::move(observed.motion);
-  KeyframeJob job{KeyframeId(), frame, result.motion.dynamic, result.motion.moving, segmentFirst(frame)};
+  const FirstLabels first = firstLabels(frame, result.motion);
+  KeyframeJob job{KeyframeId(), frame, result.motion.dynamic, result.motion.moving, {}};
+  if (first == FirstLabels::kWanted) job.labels = segment(frame);
   job.dynamic = result.dynamic = unite(result.motion.dynamic, removalMask(job.labels, job.moving));
 
   // Pose, and whether the frame becomes a keyframe.
@@ -83,15 +85,17 @@ StepResult SlamSystem::track(ObservedFrame observed) {
   result.keyframe = step.keyframe;
 
   passOn(step, std::move(job));
+  if (first == FirstLabels::kMissing && candidate_) {
+    slam_.reset();  // k2 did not fit and may show people: it must not become k1 in its turn
+    candidate_.reset();
+  }
   return result;
 }
 
-cv::Mat1b SlamSystem::segmentFirst(const RgbdFrame& frame) {
-  if (slam_.keyframeCount() > 0 || !segmentation_.enabled()) return {};
-  const bool carried = first_labels_ && secondsBetween(*first_labels_, frame.stamp) < kFirstLabelsHoldS;
-  if (carried) return {};
-  first_labels_ = frame.stamp;
-  return segment(frame);
+SlamSystem::FirstLabels SlamSystem::firstLabels(const RgbdFrame& frame, const MotionResult& motion) const {
+  if (slam_.keyframeCount() > 0 || !segmentation_.enabled()) return FirstLabels::kNotNeeded;
+  if (motion.labels && secondsBetween(*motion.labels, frame.stamp) < kFirstLabelsHoldS) return FirstLabels::kCarried;
+  return candidate_ ? FirstLabels::kMissing : FirstLabels::kWanted;
 }
 
 cv::Mat1b SlamSystem::segment(const RgbdFrame& frame) {
@@ -138,14 +142,16 @@ void SlamSystem::submit(KeyframeJob job) {
   if (mode_ == Mode::kSynchronous) {
     mapKeyframe(std::move(job));
   } else {
-    ++pending_;
     keyframe_jobs_.push(std::move(job));
   }
 }
 
 void SlamSystem::mapKeyframe(KeyframeJob job) {
   if (job.labels.empty() && segmentation_.enabled()) {
-    if (keyframe_jobs_.size() > kMostBehindSegmentation) return;
+    if (!finishing_ && keyframe_jobs_.size() > kMostBehindSegmentation) {
+      ++passed_over_;
+      return;
+    }
     job.labels = segment(job.frame);
     job.dynamic = unite(job.dynamic, removalMask(job.labels, job.moving));
   }
@@ -163,14 +169,12 @@ void SlamSystem::mapPlaced() {
 }
 
 void SlamSystem::work() {
-  yieldToFrames();
-  while (auto job = keyframe_jobs_.pop()) {
-    mapKeyframe(std::move(*job));
-    --pending_;
-  }
+  lowerThreadPriority();
+  while (auto job = keyframe_jobs_.pop()) mapKeyframe(std::move(*job));
 }
 
 void SlamSystem::finish() {
+  finishing_ = true;
   slam_.finish();
   if (worker_.joinable()) {
     keyframe_jobs_.close();

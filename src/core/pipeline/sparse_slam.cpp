@@ -6,7 +6,6 @@
 
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/common/thread_priority.h"
 #include "semantic_vslam/core/io/map_file.h"
 
 namespace semantic_vslam {
@@ -123,7 +122,6 @@ void SparseSlam::seekWorldLocked(const TrackedFrame& frame, SparseStep& step) {
                      config_.tracking.frame.sensor.virtual_baseline_m, config_.loop_correction);
   });
   step.tracking.T_camera_world = shared_.tracker.lastFrame().T_camera_world;
-  logInfo(kMapsJoined);
 }
 
 void SparseSlam::relocaliseLocked(const TrackedFrame& frame, TrackingResult& result) {
@@ -207,7 +205,6 @@ void SparseSlam::startAdjustingAll(const Upkeep& upkeep) {
 }
 
 void SparseSlam::work() {
-  yieldToFrames();
   while (const auto upkeep = queue_.pop()) {
     maintain(*upkeep);
     std::lock_guard<std::mutex> lock(shared_.mutex);
@@ -266,8 +263,10 @@ std::vector<TimedPose> SparseSlam::trajectory() const {
 std::vector<KeyframePose> SparseSlam::keyframePoses() const {
   std::lock_guard<std::mutex> lock(shared_.mutex);
   std::vector<KeyframePose> poses;
+  const auto roots = shared_.map.roots();
   for (const auto& [id, keyframe] : shared_.map.keyframes()) {
-    if (shared_.map.isPlaced(id)) poses.push_back({id, keyframe.stamp, keyframe.T_camera_world.inverse()});
+    if (roots.at(id) == shared_.map.worldRoot())
+      poses.push_back({id, keyframe.stamp, keyframe.T_camera_world.inverse()});
   }
   return poses;
 }
@@ -291,9 +290,10 @@ std::vector<Eigen::Vector3d> SparseSlam::landmarkPositions() const {
   std::lock_guard<std::mutex> lock(shared_.mutex);
   std::vector<Eigen::Vector3d> positions;
   positions.reserve(shared_.map.landmarks().size());
+  const auto roots = shared_.map.roots();
   for (const auto& [id, landmark] : shared_.map.landmarks()) {
     static_cast<void>(id);
-    if (shared_.map.isPlaced(landmark.reference_keyframe)) positions.push_back(landmark.position_world);
+    if (roots.at(landmark.reference_keyframe) == shared_.map.worldRoot()) positions.push_back(landmark.position_world);
   }
   return positions;
 }

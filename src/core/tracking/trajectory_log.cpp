@@ -33,11 +33,12 @@ TrajectoryLog::Entry TrajectoryLog::inherited(Entry entry) const {
 std::vector<TimedPose> TrajectoryLog::poses(const Map& map) const {
   std::vector<TimedPose> out;
   out.reserve(entries_.size());
+  const auto roots = map.roots();
   for (const Entry& recorded : entries_) {
     const Entry entry = inherited(recorded);
     const Keyframe* keyframe = map.keyframe(entry.reference);
     assert(keyframe);
-    if (!map.isPlaced(entry.reference)) continue;
+    if (roots.at(entry.reference) != map.worldRoot()) continue;
     out.push_back({entry.stamp, (entry.T_camera_reference * keyframe->T_camera_world).inverse()});
   }
   return out;

@@ -15,7 +15,6 @@
 namespace semantic_vslam {
 namespace {
 
-/// Half of VGA: the motion stage works on 320 px anyway.
 RgbdFrame texturedFrame(int index, float depth_m, int shift_px) {
   Rng rng(4);
   cv::Mat1b large(300, 400);

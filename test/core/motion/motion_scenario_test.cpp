@@ -13,7 +13,6 @@
 namespace semantic_vslam {
 namespace {
 
-/// Half of VGA keeps the rendering short; the motion stage works on 320 px anyway.
 /// Recall counts what moves in that frame; what is found on a person who stands still is no false alarm.
 struct Score {
   MaskScore against_moving, against_people_and_moving;

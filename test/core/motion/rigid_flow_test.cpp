@@ -43,6 +43,7 @@ class RigidScene : public ::testing::Test {
     cv::dilate(frame.depth_m, frame.depth_high_m, kernel);
     frame.texture = cv::Mat1f(grid.size(), 20.0F);
     frame.gray = cv::Mat1b(grid.flowSize(), static_cast<uchar>(128));
+    frame.cell_gray = cv::Mat1b(grid.size(), static_cast<uchar>(128));
     return frame;
   }
 
@@ -165,6 +166,9 @@ TEST_F(RigidScene, BrightnessDecidesBetweenMeasuredAndRigidFlow) {
       previous.gray(y, x) = static_cast<uchar>(128 + 100 * std::sin(0.4 * x));
       current.gray(y, x) = static_cast<uchar>(128 + 100 * std::sin(0.4 * (x - 2)));
     }
+  }
+  for (GridFrame* frame : {&previous, &current}) {
+    cv::resize(frame->gray, frame->cell_gray, grid.size(), 0, 0, cv::INTER_AREA);
   }
   CameraMotion rest;
   rest.flow_sigma_px = 0.5;

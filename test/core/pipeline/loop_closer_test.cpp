@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <thread>
 #include <utility>
@@ -58,7 +59,10 @@ TEST(LoopCloser, ANewLoopAbortsTheGlobalAdjustmentOfTheOneBeforeWhileTrackingGoe
   global_ba.start(adjust);
   while (begun == 0) std::this_thread::yield();
   global_ba.start(adjust);  // the next loop
-  while (finished == 0) {   // what tracking does to the map meanwhile
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  while (finished == 0) {  // what tracking does to the map meanwhile
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline) << "the second adjustment does not come to its end";
+    std::this_thread::yield();
     std::lock_guard<std::mutex> lock(shared.mutex);
     for (const auto& [id, keyframe] : shared.map.keyframes()) {
       static_cast<void>(id);

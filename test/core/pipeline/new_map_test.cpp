@@ -99,6 +99,7 @@ TEST(NewMap, IsDroppedWhenLostAgainAtOnce) {
 
   kidnap.turn(8.0, 7.5);
   const std::vector<KeyframeId> present = awaitingPlace(slam);
+  ASSERT_FALSE(present.empty());
   EXPECT_LT(lost.back(), present.front()) << "the first new map is gone";
   EXPECT_EQ(slam.keyframeCount(), world + present.size()) << "and nothing else";
   kidnap.turn(0.0, 0.3);

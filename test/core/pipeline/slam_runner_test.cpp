@@ -4,12 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
+#include "../support/quarter_vga.h"
 #include "semantic_vslam/core/eval/mask_score.h"
 #include "semantic_vslam/core/eval/synthetic_room.h"
 
@@ -23,13 +26,7 @@ constexpr int kFrames = 24;
 /// From where somebody stands well in the picture.
 const std::vector<SyntheticFrame>& frames() {
   static const std::vector<SyntheticFrame> rendered = [] {
-    CameraIntrinsics k;
-    k.width = 320;
-    k.height = 240;
-    k.fx = k.fy = 262.5;
-    k.cx = 159.5;
-    k.cy = 119.5;
-    const SyntheticRoom room(makeScenario("walking", 1), k);
+    const SyntheticRoom room(makeScenario("walking", 1), quarterVga());
     std::vector<SyntheticFrame> all;
     for (int i = 0; i < kFrames; ++i) {
       all.push_back(room.render(room.frameTime(i + 20)));
@@ -101,6 +98,23 @@ TEST(SlamRunner, WhoFallsBehindLosesTheOldestFramesThatWait) {
   EXPECT_EQ(order.back(), frames().back().frame.index) << "the newest is never lost";
 }
 
+TEST(SlamRunner, WhatTheSinkThrowsEndsTheRunAndComesOutOfFinish) {
+  SlamSystem system(sparse(), SlamSystem::Mode::kBackground);
+  SlamRunner runner(system, [](const RgbdFrame& frame, const StepResult&) {
+    if (frame.index == 3) throw std::runtime_error("the disk is full");
+  });
+  std::size_t pushed = 0;
+  const auto deadline = std::chrono::steady_clock::now() + 1min;
+  while (runner.push(frames()[pushed % frames().size()].frame) && std::chrono::steady_clock::now() < deadline) {
+    ++pushed;
+    std::this_thread::sleep_for(20ms);
+  }
+  EXPECT_LT(std::chrono::steady_clock::now(), deadline) << "push() must tell that nothing is taken any more";
+  EXPECT_GT(pushed, 3U);
+  EXPECT_THROW(runner.finish(), std::runtime_error);
+  runner.finish();  // once is enough
+}
+
 TEST(SlamSystem, OnlyK1IsSegmentedBeforeTrackingAndItsPeopleAreCarriedOn) {
   std::vector<int> asked;
   SystemConfig config = sparse();
@@ -125,7 +139,17 @@ TEST(SlamSystem, WhereK2DoesNotFitLabelsAreRenewedInTime) {
   config.slam.tracking.initializer.min_inliers = 5000;  // no pair ever fits
   SlamSystem system(config, SlamSystem::Mode::kSynchronous, std::make_unique<NotingNetwork>(asked));
   for (const SyntheticFrame& synthetic : frames()) system.step(synthetic.frame);
-  EXPECT_EQ(asked, (std::vector<int>{0, 15})) << "every half second, not every frame";
+  EXPECT_EQ(asked, (std::vector<int>{0, 16})) << "every half second, not every frame";
+}
+
+TEST(SlamSystem, AFrameWithoutLabelsMayBecomeK2ButNeverK1) {
+  std::vector<int> asked;
+  SystemConfig config = sparse();
+  config.label_delay_s = 10.0;                          // labels are never carried on in time
+  config.slam.tracking.initializer.min_inliers = 5000;  // no pair ever fits
+  SlamSystem system(config, SlamSystem::Mode::kSynchronous, std::make_unique<NotingNetwork>(asked));
+  for (int i = 0; i < 6; ++i) system.step(frames()[i].frame);
+  EXPECT_EQ(asked, (std::vector<int>{0, 2, 4})) << "where k2 does not fit the next frame is segmented as k1";
 }
 
 }  // namespace

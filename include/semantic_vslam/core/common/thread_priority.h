@@ -6,6 +6,6 @@ namespace semantic_vslam {
 
 /// Lowers the priority of the calling thread, once and for good: for work that may take its time, so that it gives way
 /// to what every frame waits for where cores are few.
-void yieldToFrames();
+void lowerThreadPriority();
 
 }  // namespace semantic_vslam

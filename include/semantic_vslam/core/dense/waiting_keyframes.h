@@ -24,9 +24,10 @@ class WaitingKeyframes {
  public:
   static constexpr std::size_t kMost = 32;  ///< 3.3 MB each at 640x480
 
-  /// Adds one; of more than kMost the oldest goes.
+  /// Adds one; place() is to follow.
   void add(DenseInput keyframe);
-  /// Moves those that have a pose by now into the map, in the order they came.
+  /// Moves those that have a pose by now into the map, in the order they came; of more than kMost that have none the
+  /// oldest go.
   void place(const std::vector<KeyframePose>& poses, DenseMapper& map);
   /// Drops those that nobody will place any more.
   void keepOnly(const std::function<bool(KeyframeId)>& wanted);

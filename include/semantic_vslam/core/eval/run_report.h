@@ -32,6 +32,7 @@ struct RunReport {
   std::vector<double> latency_ms;  ///< from a frame's time to its pose, one a frame given; empty if not in real time
   std::size_t posed = 0;           ///< frames with a pose in the trajectory
   std::size_t keyframes = 0, landmarks = 0;
+  std::size_t keyframes_passed_over = 0;  ///< left out of the dense map: segmentation was too far behind
   std::map<std::string, std::size_t> frames_in_state;
   std::vector<FrameMotion> motion;  ///< one a frame given
   std::size_t cloud_points = 0, voxels = 0;

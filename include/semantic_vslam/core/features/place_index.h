@@ -41,13 +41,7 @@ struct PlaceMatch {
 /// Feature-based Visual Place Recognition", RA-L 2018), so nothing is trained, loaded or tuned to a kind of scene. Each
 /// query descriptor goes down to one leaf a tree and votes for every keyframe that has a close descriptor there.
 ///
-/// Chosen by measurement. `./run bench --places` tells precision / recall of the best match at the score from which a
-/// candidate is looked at (0.02) with one, two (the default) and four trees. freiburg1_xyz, 52 revisits: 1.00 / 0.98,
-/// 1.00 / 1.00, 1.00 / 1.00. A rendered loop, 9 revisits in 120 keyframes: 0.32 / 1.00,
-/// 0.27 / 1.00, 0.18 / 1.00; from a score of 0.1 on 1.00 / 0.22, 1.00 / 0.89, 1.00 / 1.00. So the bound is set for
-/// recall, and what is no revisit is left to geometry (LoopDetector). Before that, and not kept as a program: a
-/// vocabulary of 10^4 words (k-majority tree with tf-idf, trained on other rooms) found the right one of 20 keyframes
-/// in a corridor of rooms that look alike in 0.95 of 20 queries, the trees in all.
+/// Chosen by measured precision and recall on revisits: doc/place_recognition.md.
 class PlaceIndex {
  public:
   /// @throws ConfigError

@@ -12,9 +12,6 @@
 
 namespace semantic_vslam {
 
-/// What is logged when two trees have become one.
-constexpr char kMapsJoined[] = "the new map is joined with the old one";
-
 /// Joins two trees of keyframes (see Map) at a place that both know: the younger one moves, whole and rigidly, to where
 /// the closure sees it in the older one's frame of reference, and is hung into it. Depth gives both the same scale.
 /// What the closure then still asks for is that of a loop, whose correction merges the landmarks of both. Nothing to do
@@ -52,12 +49,16 @@ class WorldSeeker {
   /// keyframe of the frame.
   std::optional<LoopClosure> seek(const Map& map, const PlaceIndex& places, const TrackedFrame& frame,
                                   const SE3& T_camera_own);
-  void reset() { evidence_.reset(); }
+  void reset() {
+    evidence_.reset();
+    frames_ = 0;
+  }
 
  private:
   FrameTrackerConfig tracker_;
   RelocalizerConfig relocalisation_;
   JoinEvidence evidence_;
+  int frames_ = 0;  ///< sought in since the camera is beside the world
 };
 
 }  // namespace semantic_vslam

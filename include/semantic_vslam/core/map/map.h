@@ -86,8 +86,12 @@ class Map {
   std::vector<KeyframeId> children(KeyframeId id) const;
   /// First keyframe of the tree that a keyframe hangs in; invalid if it is gone.
   KeyframeId rootOf(KeyframeId id) const;
+  /// rootOf() of every keyframe, at once.
+  std::unordered_map<KeyframeId, KeyframeId> roots() const;
+  /// Root of the oldest tree, whose poses are those in the world; invalid if there is no keyframe.
+  KeyframeId worldRoot() const { return keyframes_.empty() ? KeyframeId() : keyframes_.begin()->first; }
   /// Whether the keyframe hangs in the tree of the oldest one, so that its pose is one in the world.
-  bool isPlaced(KeyframeId id) const { return !keyframes_.empty() && rootOf(id) == keyframes_.begin()->first; }
+  bool isPlaced(KeyframeId id) const { return !keyframes_.empty() && rootOf(id) == worldRoot(); }
   /// Grows by one with every change that an optimiser's copied problem could conflict with (loop, reset, load).
   std::uint64_t version() const { return version_; }
 

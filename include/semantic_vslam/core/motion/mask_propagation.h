@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <opencv2/core.hpp>
+#include <optional>
 
 #include "semantic_vslam/core/motion/motion_config.h"
 #include "semantic_vslam/core/motion/work_grid.h"
@@ -33,6 +34,8 @@ class MaskPropagation {
   bool addLabels(Stamp stamp, const cv::Mat1b& labels, const LabelSet& label_set);
 
   bool hasMask() const { return !mask_.empty(); }
+  /// Of the frame whose labels are carried; nothing if there are none.
+  std::optional<Stamp> maskStamp() const { return hasMask() ? std::optional<Stamp>(mask_stamp_) : std::nullopt; }
   /// @return probability 0 .. 1 that a cell of the newest frame is dynamic by the carried mask, faded with its age; NaN
   ///         where the mask says nothing. Empty if there is none.
   cv::Mat1f dynamicNow() const;

@@ -14,9 +14,10 @@ struct DenseFlowConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("width_px", width_px, 80, 1280,
-            "width the image is reduced to for the flow, px (a multiple of 2); masks are decided at half of it");
+            "width the image is reduced to, px (a multiple of 2); flow and masks are worked out in cells of 2 x 2 of "
+            "these");
     v.choice("preset", preset, {"ultrafast", "fast", "medium"},
-             "DIS preset: 1, 1.6 and 8 times the CPU; masks are as good with the first");
+             "DIS preset, each dearer than the one before; masks are as good with the first");
   }
 };
 
@@ -46,9 +47,10 @@ struct RigidFlowConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("flow_sigma_px", flow_sigma_px, 0.05, 5.0,
-            "least standard deviation of the flow, px of the image it is computed on (each frame measures its own)");
+            "least standard deviation of the flow, px at flow.width_px (each frame measures its own)");
     v.field("depth_sigma_at_1m_m", depth_sigma_at_1m_m, 0.0002, 0.05,
-            "depth noise at 1 m, metres; it grows with the square of depth (structured light and stereo alike)");
+            "depth noise of a surface at 1 m, metres; it grows with the square of depth (structured light and stereo "
+            "alike). Smaller than sensor's, which is that of features, at edges");
     v.field("min_depth_margin_m", min_depth_margin_m, 0.005, 0.5,
             "a surface counts as new in free space if it is nearer than what was seen there by this and 4 sigma, m");
     v.field("min_points", min_points, 10, 1000, "fewer points with depth: the flow is explained by a homography");

@@ -4,8 +4,10 @@
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 
+#include "semantic_vslam/core/common/stamp.h"
 #include "semantic_vslam/core/geometry/se3.h"
 
 namespace semantic_vslam {
@@ -30,6 +32,7 @@ struct MotionResult {
   SE3 T_current_previous = SE3::Identity();  ///< camera motion by the rigid model; identity for the others
   int inliers = 0;                           ///< of the camera motion model
   double dynamic_share = 0.0;                ///< share of pixels with dynamic >= 128
+  std::optional<Stamp> labels;  ///< of the frame whose labels are carried on in `dynamic`; nothing: no labels in it
 };
 
 }  // namespace semantic_vslam

@@ -40,6 +40,9 @@ class LoopCloser {
   void resetLocked();
 
  private:
+  /// Bends the map to a closure. @return false if the map changed while that was computed, or lost its keyframes
+  bool correct(const LoopClosure& closure);
+
   const SparseSlamConfig config_;
   SharedMap& shared_;
   LoopDetector detector_;           // guarded by shared_.mutex

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <exception>
 #include <functional>
+#include <mutex>
 #include <thread>
 
 #include "semantic_vslam/core/common/bounded_queue.h"
@@ -20,14 +22,16 @@ class SlamRunner {
 
   /// @param system  of Mode::kBackground; must outlive this, and take no step() meanwhile
   SlamRunner(SlamSystem& system, Sink sink);
-  /// As finish().
+  /// As finish(), but throws nothing.
   ~SlamRunner();
   SlamRunner(const SlamRunner&) = delete;
   SlamRunner& operator=(const SlamRunner&) = delete;
 
-  /// Returns at once.
-  void push(const RgbdFrame& frame) { frames_.push(frame); }
+  /// Returns at once. @return false if a step or the sink has failed: no frame is taken any more, and finish() tells
+  /// why
+  bool push(const RgbdFrame& frame) { return frames_.push(frame); }
   /// Returns when every frame that was pushed and not dropped has come out of the sink. No push() after it.
+  /// @throws what the first failing step or call of the sink threw
   void finish();
   /// Frames that never reached the system.
   std::size_t dropped() const { return frames_.counters().dropped; }
@@ -35,11 +39,16 @@ class SlamRunner {
  private:
   void observe();
   void track();
+  /// Calls it, and ends both threads' work if it throws.
+  void guarded(const std::function<void()>& work);
+  void join();
 
   SlamSystem& system_;
   const Sink sink_;
   BoundedQueue<RgbdFrame> frames_;
   BoundedQueue<ObservedFrame> observed_;
+  std::mutex error_mutex_;
+  std::exception_ptr error_;        // guarded by error_mutex_
   std::thread observer_, tracker_;  ///< last members: start when all else is there
 };
 

@@ -73,8 +73,8 @@ class SlamSystem {
   const DenseMapper& dense() const { return dense_; }
   const LabelSet& labels() const { return segmentation_.labels(); }
   const StageTimes& times() const { return times_; }
-  /// Keyframes that the workers had not taken yet when newer ones came (kBackground).
-  QueueCounters keyframeQueue() const { return keyframe_jobs_.counters(); }
+  /// Keyframes left out of the dense map because segmentation was too far behind (kBackground).
+  std::size_t keyframesPassedOver() const { return passed_over_; }
 
  private:
   /// A keyframe on its way into the dense map.
@@ -92,8 +92,14 @@ class SlamSystem {
   SlamSystem(const SystemConfig& config, Mode mode, SegmentationStage segmentation);
 
   void takeLateLabels(Stamp now);
-  /// Labels of a frame that may become k1; empty if there is a map, or labels just before it that are carried on.
-  cv::Mat1b segmentFirst(const RgbdFrame& frame);
+  /// What is known of people in a frame before there is a map, whose first frame must hold none.
+  enum class FirstLabels {
+    kNotNeeded,  ///< there is a map, or no network
+    kCarried,    ///< the motion stage carries fresh ones on to this frame
+    kWanted,     ///< the frame may become k1: to be segmented
+    kMissing     ///< the frame may become k2, whose people motion detection removes
+  };
+  FirstLabels firstLabels(const RgbdFrame& frame, const MotionResult& motion) const;
   /// Labels of a frame, for the motion stage too.
   cv::Mat1b segment(const RgbdFrame& frame);
   /// People and moving objects of the labels, 255; empty without labels.
@@ -114,12 +120,12 @@ class SlamSystem {
   DenseMapper dense_;                     // used by the worker
   WaitingKeyframes waiting_;              // used by the worker
   std::optional<Stamp> last_stamp_;       // used by observe()
-  std::optional<Stamp> first_labels_;     ///< of the newest frame segmented while there was no map
   std::optional<KeyframeJob> candidate_;  ///< k1, until initialisation has made it the first keyframe
 
   std::mutex late_mutex_;
   std::deque<LateLabels> late_labels_;  // guarded by late_mutex_
-  std::atomic<int> pending_{0};
+  std::atomic<bool> finishing_{false};  ///< nobody waits for tracking any more
+  std::atomic<std::size_t> passed_over_{0};
   BoundedQueue<KeyframeJob> keyframe_jobs_;
   std::thread worker_;  ///< last member: starts when all else is there, joined first
 };

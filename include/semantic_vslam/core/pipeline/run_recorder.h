@@ -37,7 +37,8 @@ class RunRecorder {
   };
 
   void writeOverview(const std::string& path, const SlamSystem& system, const DenseConfig& dense,
-                     const FrameSource& source, const std::vector<TimedPose>& trajectory) const;
+                     const FrameSource& source, const std::vector<TimedPose>& trajectory,
+                     const std::vector<LabelledPoint>& cloud) const;
 
   RunReport report_;
   Sample sample_;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/eval/run_recorder.h"
+#include "semantic_vslam/core/pipeline/run_recorder.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -8,6 +8,7 @@
 
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
+#include "semantic_vslam/core/dense/cloud_file.h"
 #include "semantic_vslam/core/eval/overview_picture.h"
 #include "semantic_vslam/core/io/atomic_file.h"
 #include "semantic_vslam/core/io/image_file.h"
@@ -68,28 +69,31 @@ void RunRecorder::writeResults(const std::string& folder, const SlamSystem& syst
   writeTumTrajectory(folder + "/trajectory.txt", trajectory);
   writeTumTrajectory(folder + "/keyframes.txt", posesOf(system.slam().keyframePoses()));
   system.times().writeCsv(folder + "/timing.csv");
+  const std::vector<LabelledPoint> cloud = system.dense().cloud();
   if (dense.enabled) {
-    system.dense().saveCloud(folder + "/cloud.pcd");
+    writePcd(cloud, folder + "/cloud.pcd");
     system.dense().saveOctomap(folder + "/map.ot");
   }
   report_.posed = trajectory.size();
   report_.keyframes = system.slam().keyframeCount();
   report_.landmarks = system.slam().landmarkCount();
-  report_.cloud_points = system.dense().cloud().size();
+  report_.cloud_points = cloud.size();
+  report_.keyframes_passed_over = system.keyframesPassedOver();
   report_.voxels = system.dense().voxels();
   report_.stages = system.times().summarize();
   report_.peak_memory_mb = peakMemoryMb();
   scoreTrajectory(source.groundTruth(), trajectory, report_);
   writeTextAtomically(folder + "/summary.json", toJson(report_));
-  writeOverview(folder + "/overview.png", system, dense, source, trajectory);
+  writeOverview(folder + "/overview.png", system, dense, source, trajectory, cloud);
 }
 
 void RunRecorder::writeOverview(const std::string& path, const SlamSystem& system, const DenseConfig& dense,
-                                const FrameSource& source, const std::vector<TimedPose>& trajectory) const {
+                                const FrameSource& source, const std::vector<TimedPose>& trajectory,
+                                const std::vector<LabelledPoint>& cloud) const {
   OverviewContent content;
   content.title = std::filesystem::path(report_.sequence).filename().string();
   content.subtitle = headline(report_);
-  content.cloud = system.dense().cloud();
+  content.cloud = cloud;
   content.cloud_resolution_m = dense.cloud_resolution_m;
   content.labels = system.labels();
   content.trajectory = trajectory;

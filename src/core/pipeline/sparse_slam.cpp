@@ -240,15 +240,19 @@ void SparseSlam::saveMap(const std::string& path) const {
   semantic_vslam::saveMap(path, shared_.map);
 }
 
-void SparseSlam::loadMap(const std::string& path) {
+SavedMap SparseSlam::readMap(const std::string& path) const {
+  SavedMap saved{Map(), PlaceIndex(config_.places)};
+  semantic_vslam::loadMap(path, saved.map);
+  indexKeyframes(saved.map, saved.places);
+  return saved;
+}
+
+void SparseSlam::loadMap(SavedMap saved) {
   waitForUpkeep();
   global_ba_.cancel();
-  Map loaded;
-  semantic_vslam::loadMap(path, loaded);
   std::lock_guard<std::mutex> lock(shared_.mutex);
-  shared_.map = std::move(loaded);
-  shared_.places.clear();
-  indexKeyframes(shared_.map, shared_.places);
+  shared_.map = std::move(saved.map);
+  shared_.places = std::move(saved.places);
   loops_.resetLocked();
   seeker_.reset();
   shared_.trajectory.clear();

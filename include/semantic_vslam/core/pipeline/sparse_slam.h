@@ -31,6 +31,12 @@ struct SparseStep {
   std::optional<KeyframeId> keyframe;        ///< this frame, if it became a keyframe
 };
 
+/// A map from a file, its places indexed.
+struct SavedMap {
+  Map map;
+  PlaceIndex places;
+};
+
 /// Tracking and the map behind it: frames are followed in the map; when the camera has been lost for long a new map is
 /// begun beside it, and joined with it when a place of the old one is seen again. Owner of the sparse map, the
 /// trajectory and, in the background mode, of the worker that maintains the map. step() is called by one thread;
@@ -63,9 +69,12 @@ class SparseSlam {
 
   /// Writes the sparse map, whole or not at all. @throws FileError
   void saveMap(const std::string& path) const;
+  /// Reads a saved map; the present one is not touched. @throws FileError
+  SavedMap readMap(const std::string& path) const;
   /// Takes a saved map in the place of the present one; frames find their place in it by relocalisation.
-  /// @throws FileError; map and trajectory are then what they were.
-  void loadMap(const std::string& path);
+  void loadMap(SavedMap saved);
+  /// Both at once. @throws FileError; map and trajectory are then what they were.
+  void loadMap(const std::string& path) { loadMap(readMap(path)); }
 
   /// Of all frames whose place in the world is known; those of a new map come in when it is joined with the old one.
   std::vector<TimedPose> trajectory() const;

@@ -124,7 +124,7 @@ void MappingNodelet::start() {
   publisher_.emplace(nh, config_.map_frame, config_.objects);
   worker_ = std::make_unique<Worker<Task>>(
       64, QueuePolicy::kBlock, [](const Task& task) { task(); }, WorkerPriority::kKeyframes);
-  inputs_ = std::make_unique<KeyframeInputs>(nh, config_.inputs);
+  inputs_ = std::make_unique<KeyframeInputs>(nh, private_nh, config_.inputs);
   // Services wait for the worker: they get threads of their own, so that images still come in meanwhile.
   advertiseServices(getMTPrivateNodeHandle());
   subscribe(nh);
@@ -153,7 +153,7 @@ void MappingNodelet::subscribe(ros::NodeHandle nh) {
 }
 
 void MappingNodelet::report(StageDiagnostics::Status& status) {
-  inputs_->report(status);
+  inputs_->report(*diagnostics_, status);
   status.add("keyframes in the map", keyframes_.load());
   status.add("keyframes whose place is not known yet", waiting_count_.load());
   status.add("voxels", voxels_.load());

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <nodelet/nodelet.h>
 #include <semantic_vslam/LabelInfo.h>
 #include <semantic_vslam/MotionReport.h>
 #include <semantic_vslam/MotionThresholdsConfig.h>
@@ -20,7 +19,7 @@
 #include "semantic_vslam/ros/parameters.h"
 #include "semantic_vslam/ros/rgbd_converter.h"
 #include "semantic_vslam/ros/rgbd_subscriber.h"
-#include "semantic_vslam/ros/stage_diagnostics.h"
+#include "semantic_vslam/ros/stage_nodelet.h"
 #include "semantic_vslam/ros/threshold_server.h"
 #include "semantic_vslam/ros/worker.h"
 
@@ -41,13 +40,12 @@ struct MotionNodeletConfig {
 
 /// Images -> motion/mask (mono8, probability 0..255 that a pixel is on a moving object), motion/flow_image when
 /// watched, motion/report. Labels of keyframes, late as they are, are carried forward into the mask.
-class MotionNodelet final : public nodelet::Nodelet {
+class MotionNodelet final : public StageNodelet {
  public:
   ~MotionNodelet() override;
 
  private:
-  void onInit() override;
-  void start();
+  void start() override;
   void onLabels(const sensor_msgs::ImageConstPtr& message);
   void onLabelInfo(const LabelInfoConstPtr& message);
 
@@ -86,17 +84,7 @@ MotionNodelet::~MotionNodelet() {
   worker_.reset();
 }
 
-void MotionNodelet::onInit() {
-  try {
-    start();
-  } catch (const Error& error) {
-    NODELET_FATAL("%s", error.what());
-    throw;  // the loader gives the nodelet up; a node ends
-  }
-}
-
 void MotionNodelet::start() {
-  installRosLogSink();
   ros::NodeHandle nh = getNodeHandle(), private_nh = getPrivateNodeHandle();
   config_ = loadParameters<MotionNodeletConfig>(private_nh);
   converter_.emplace(config_.input);
@@ -116,14 +104,14 @@ void MotionNodelet::start() {
       });
   label_info_subscriber_ = nh.subscribe("segmentation/label_info", 1, &MotionNodelet::onLabelInfo, this);
   labels_subscriber_ = nh.subscribe("segmentation/labels", 5, &MotionNodelet::onLabels, this);
-  input_ = std::make_unique<RgbdSubscriber>(nh, config_.input,
+  input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.input,
                                             [this](const RgbdMessages& messages) { worker_->push(messages); });
   diagnostics_->start(nh, {[this] { return input_->missing(); }, [this] { return worker_->counters(); },
                            [this](StageDiagnostics::Status& status) { describe(status); }});
 }
 
 void MotionNodelet::describe(StageDiagnostics::Status& status) {
-  status.add("frames refused", converter_->refused());
+  diagnostics_->addFault(status, "frames refused", converter_->refused());
   status.add("label images used", labels_taken_.load());
   status.add("label images too late", labels_late_.load());
   std::lock_guard<std::mutex> lock(mutex_);

@@ -1,12 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <nodelet/nodelet.h>
 #include <semantic_vslam/KeyframePoseArray.h>
 #include <semantic_vslam/KeyframeStamped.h>
 #include <semantic_vslam/LabelInfo.h>
 
 #include <atomic>
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
@@ -16,28 +14,23 @@
 #include "semantic_vslam/core/segmentation/label_picture.h"
 #include "semantic_vslam/core/segmentation/segmentation_stage.h"
 #include "semantic_vslam/ros/conversions.h"
+#include "semantic_vslam/ros/kept_frames.h"
 #include "semantic_vslam/ros/parameters.h"
-#include "semantic_vslam/ros/rgbd_converter.h"
-#include "semantic_vslam/ros/rgbd_subscriber.h"
-#include "semantic_vslam/ros/stage_diagnostics.h"
-#include "semantic_vslam/ros/stamped_buffer.h"
+#include "semantic_vslam/ros/stage_nodelet.h"
 #include "semantic_vslam/ros/worker.h"
 
 namespace semantic_vslam {
 
 struct SegmentationNodeletConfig {
   double budget_ms = 500.0;
-  int kept_frames = 30;
-  RgbdInputConfig input;
+  KeptFramesConfig frames;
   SegmentationConfig segmentation;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("budget_ms", budget_ms, 1.0, 10000.0,
             "ms a keyframe may take before the diagnostics warn; keyframes come about twice a second");
-    v.field("kept_frames", kept_frames, 2, 300,
-            "newest images that wait for the tracker to name one of them; 30 are a second and 60 MB at 640x480");
-    v.group("input", input);
+    frames.visit(v);
     v.group("segmentation", segmentation);
   }
 };
@@ -45,18 +38,16 @@ struct SegmentationNodeletConfig {
 /// Images of keyframes -> segmentation/labels (mono8, index into label_info), segmentation/label_info (latched),
 /// segmentation/overlay when watched. While the tracker has no keyframe every image is offered, so that it can
 /// initialise without people. Newest wins: what the network has no time for is never labelled.
-class SegmentationNodelet final : public nodelet::Nodelet {
+class SegmentationNodelet final : public StageNodelet {
  public:
   ~SegmentationNodelet() override;
 
  private:
-  void onInit() override;
-  void start();
-  void run(ros::NodeHandle nh);
+  void start() override;
+  void run(ros::NodeHandle nh, ros::NodeHandle private_nh);
   void report(StageDiagnostics::Status& status);
   void openNetwork();
   std::string problem() const;
-  void onPair(const RgbdMessages& messages);
   void onKeyframe(const KeyframeStampedConstPtr& message);
   void onKeyframePoses(const KeyframePoseArrayConstPtr& message);
 
@@ -65,36 +56,23 @@ class SegmentationNodelet final : public nodelet::Nodelet {
   void publish(const std_msgs::Header& header, const RgbdFrame& frame, const cv::Mat1b& labels);
 
   SegmentationNodeletConfig config_;
-  std::optional<RgbdConverter> converter_;  // worker only
   std::optional<SegmentationStage> stage_;  // worker only; none without a network
   std::atomic<bool> network_failed_{false};
-  std::unique_ptr<StampedBuffer<RgbdMessages>> frames_;
   std::atomic<bool> keyframe_seen_{false};
-  std::atomic<std::size_t> images_missing_{0};
 
   ros::Publisher labels_publisher_, info_publisher_, overlay_publisher_;
   std::unique_ptr<StageDiagnostics> diagnostics_;
   std::unique_ptr<Worker<Stamp>> worker_;
   ros::Subscriber keyframe_subscriber_, keyframe_poses_subscriber_;
-  std::unique_ptr<RgbdSubscriber> input_;
+  std::unique_ptr<KeptFrames> frames_;
 };
 
 SegmentationNodelet::~SegmentationNodelet() {
   keyframe_subscriber_.shutdown();
   keyframe_poses_subscriber_.shutdown();
   if (diagnostics_) diagnostics_->stop();
-  input_.reset();
   if (frames_) frames_->close();
   worker_.reset();
-}
-
-void SegmentationNodelet::onInit() {
-  try {
-    start();
-  } catch (const Error& error) {
-    NODELET_FATAL("%s", error.what());
-    throw;  // the loader gives the nodelet up; a node ends
-  }
 }
 
 /// A network that does not load costs the labels, not the robot: everything else goes on with motion detection.
@@ -110,26 +88,22 @@ void SegmentationNodelet::openNetwork() {
 
 std::string SegmentationNodelet::problem() const {
   if (network_failed_) return "the network failed: there are no labels";
-  return input_ ? input_->missing() : std::string();
+  return frames_ ? frames_->missing() : std::string();
 }
 
 void SegmentationNodelet::start() {
-  installRosLogSink();
   ros::NodeHandle nh = getNodeHandle(), private_nh = getPrivateNodeHandle();
   config_ = loadParameters<SegmentationNodeletConfig>(private_nh);
   openNetwork();
   if (!stage_ && !network_failed_) return;
   diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "segmentation", config_.budget_ms);
-  if (stage_) run(nh);
+  if (stage_) run(nh, private_nh);
   diagnostics_->start(nh,
                       {[this] { return problem(); }, [this] { return worker_ ? worker_->counters() : QueueCounters(); },
                        [this](StageDiagnostics::Status& status) { report(status); }});
 }
 
-void SegmentationNodelet::run(ros::NodeHandle nh) {
-  converter_.emplace(config_.input);
-  frames_ = std::make_unique<StampedBuffer<RgbdMessages>>(config_.kept_frames);
-
+void SegmentationNodelet::run(ros::NodeHandle nh, ros::NodeHandle private_nh) {
   labels_publisher_ = nh.advertise<sensor_msgs::Image>("segmentation/labels", 5);
   overlay_publisher_ = nh.advertise<sensor_msgs::Image>("segmentation/overlay", 1);
   info_publisher_ = nh.advertise<LabelInfo>("segmentation/label_info", 1, true);
@@ -137,21 +111,15 @@ void SegmentationNodelet::run(ros::NodeHandle nh) {
 
   worker_ = std::make_unique<Worker<Stamp>>(
       1, QueuePolicy::kDropOldest, [this](Stamp stamp) { step(stamp); }, WorkerPriority::kKeyframes);
+  frames_ = std::make_unique<KeptFrames>(nh, private_nh, config_.frames, [this](Stamp stamp) {
+    if (!keyframe_seen_) worker_->push(stamp);
+  });
   keyframe_subscriber_ = nh.subscribe("tracking/keyframe", 10, &SegmentationNodelet::onKeyframe, this);
   keyframe_poses_subscriber_ = nh.subscribe("tracking/keyframe_poses", 1, &SegmentationNodelet::onKeyframePoses, this);
-  input_ =
-      std::make_unique<RgbdSubscriber>(nh, config_.input, [this](const RgbdMessages& messages) { onPair(messages); });
 }
 
 void SegmentationNodelet::report(StageDiagnostics::Status& status) {
-  if (converter_) status.add("frames refused", converter_->refused());
-  status.add("keyframes without images", images_missing_.load());
-}
-
-void SegmentationNodelet::onPair(const RgbdMessages& messages) {
-  const Stamp stamp = fromRos(messages.rgb->header.stamp);
-  frames_->put(stamp, messages);
-  if (!keyframe_seen_) worker_->push(stamp);
+  if (frames_) frames_->report(*diagnostics_, status);
 }
 
 void SegmentationNodelet::onKeyframe(const KeyframeStampedConstPtr& message) {
@@ -165,14 +133,10 @@ void SegmentationNodelet::onKeyframePoses(const KeyframePoseArrayConstPtr& messa
 
 void SegmentationNodelet::step(Stamp stamp) {
   if (network_failed_) return;
-  // The tracker may be a moment ahead of this nodelet's own pairing.
-  const std::optional<RgbdMessages> messages = frames_->waitFor(stamp, std::chrono::milliseconds(500));
-  if (!messages) {
-    ++images_missing_;
-    return;
-  }
+  const std::optional<RgbdMessages> messages = frames_->waitFor(stamp);
+  if (!messages) return;
   const StageDiagnostics::Step timer(*diagnostics_, stamp);
-  const std::optional<RgbdFrame> frame = converter_->convert(*messages);
+  const std::optional<RgbdFrame> frame = frames_->convert(*messages);
   if (!frame) return;
   const cv::Mat1b labels = stage_->process(*frame);
   if (!labels.empty()) publish(messages->rgb->header, *frame, labels);

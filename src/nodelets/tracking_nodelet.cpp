@@ -115,7 +115,7 @@ void TrackingNodelet::start() {
                                                    [this](const RgbdMessages& messages) { step(messages); });
   masks_ = std::make_unique<MotionMaskInput>(nh, config_.masks);
   advertiseServices(private_nh);
-  input_ = std::make_unique<RgbdSubscriber>(nh, config_.input,
+  input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.input,
                                             [this](const RgbdMessages& messages) { worker_->push(messages); });
   diagnostics_->start(nh, {[this] { return input_->missing(); }, [this] { return worker_->counters(); },
                            [this](StageDiagnostics::Status& status) { report(status); }});

@@ -20,8 +20,6 @@
 namespace semantic_vslam {
 namespace {
 
-constexpr double kMillimetre = 0.001;  // unit of a 16UC1 depth image, REP 118
-
 /// @return stamp of a message that begins with a header; the time of recording where the driver left it empty.
 Stamp headerStamp(const rosbag::MessageInstance& message, std::vector<std::uint8_t>& buffer) {
   buffer.resize(message.size());
@@ -200,7 +198,7 @@ RgbdFrame BagSource::read(std::size_t index) const {
   const Pair& pair = pairs_[index];
   const sensor_msgs::ImageConstPtr depth = image(depth_messages_[pair.depth]);
   const cv::Mat colour = colourFromRos(image(rgb_messages_[pair.rgb]));
-  return makeRgbdFrame(index, pair.rgb_stamp, colour, depthFromRos(depth), kMillimetre, camera_);
+  return makeRgbdFrame(index, pair.rgb_stamp, colour, depthFromRos(depth), kMetresPerMillimetre, camera_);
 }
 
 cv::Mat1b BagSource::groundTruthMask() const {

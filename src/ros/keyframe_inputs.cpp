@@ -15,9 +15,6 @@
 namespace semantic_vslam {
 namespace {
 
-// The tracker may be a moment ahead of this process's own pairing of colour and depth.
-constexpr std::chrono::milliseconds kPairingWait{500};
-
 std::chrono::milliseconds milliseconds(double seconds) { return std::chrono::milliseconds(std::lround(seconds * 1e3)); }
 
 boost::function<void(const sensor_msgs::ImageConstPtr&)> keepIn(StampedBuffer<cv::Mat1b>& buffer) {
@@ -32,22 +29,16 @@ boost::function<void(const sensor_msgs::ImageConstPtr&)> keepIn(StampedBuffer<cv
 
 }  // namespace
 
-KeyframeInputs::KeyframeInputs(ros::NodeHandle nh, const KeyframeInputsConfig& config)
-    : config_(config), converter_(config.input), frames_(config.kept_frames) {
+KeyframeInputs::KeyframeInputs(ros::NodeHandle nh, ros::NodeHandle private_nh, const KeyframeInputsConfig& config)
+    : config_(config), frames_(nh, private_nh, config.frames) {
   mask_subscriber_ = nh.subscribe<sensor_msgs::Image>("motion/mask", 10, keepIn(masks_));
   labels_subscriber_ = nh.subscribe<sensor_msgs::Image>("segmentation/labels", 5, keepIn(labels_));
-  images_ = std::make_unique<RgbdSubscriber>(nh, config.input, [this](const RgbdMessages& messages) {
-    frames_.put(fromRos(messages.rgb->header.stamp), messages);
-  });
 }
 
 std::optional<DenseInput> KeyframeInputs::gather(KeyframeId id, Stamp stamp, KeyframeImages images,
                                                  const LabelSet& label_set) {
-  if (!images.pair) images.pair = frames_.waitFor(stamp, kPairingWait);
-  if (!images.pair) {
-    ++images_missing_;
-    return std::nullopt;
-  }
+  if (!images.pair) images.pair = frames_.waitFor(stamp);
+  if (!images.pair) return std::nullopt;
   if (!images.mask) images.mask = masks_.waitFor(stamp, milliseconds(motionRuns() ? config_.mask_wait_s : 0.0));
   if (!images.mask) ++masks_missing_;
   const auto labels = labels_.waitFor(stamp, milliseconds(networkRuns() ? config_.labels_wait_s : 0.0));
@@ -57,7 +48,7 @@ std::optional<DenseInput> KeyframeInputs::gather(KeyframeId id, Stamp stamp, Key
   }
   if (!images.mask && !labels && motionRuns()) return std::nullopt;
 
-  const std::optional<RgbdFrame> frame = converter_.convert(*images.pair);
+  const std::optional<RgbdFrame> frame = frames_.convert(*images.pair);
   if (!frame) return std::nullopt;
   DenseInput input{id, *frame, labels.value_or(cv::Mat1b()), cv::Mat1b()};
   input.dynamic = withMovingObjects(images.mask.value_or(cv::Mat1b()), input.labels, label_set);
@@ -73,9 +64,8 @@ cv::Mat1b KeyframeInputs::withMovingObjects(const cv::Mat1b& mask, const cv::Mat
   return mask.empty() ? removed : cv::Mat1b(cv::max(removed, mask));
 }
 
-void KeyframeInputs::report(StageDiagnostics::Status& status) const {
-  status.add("frames refused", converter_.refused());
-  status.add("keyframes without images", images_missing_.load());
+void KeyframeInputs::report(StageDiagnostics& diagnostics, StageDiagnostics::Status& status) const {
+  frames_.report(diagnostics, status);
   status.add("keyframes without mask", masks_missing_.load());
   status.add("keyframes left out for want of labels", unlabelled_.load());
 }
@@ -83,7 +73,6 @@ void KeyframeInputs::report(StageDiagnostics::Status& status) const {
 void KeyframeInputs::close() {
   mask_subscriber_.shutdown();
   labels_subscriber_.shutdown();
-  images_.reset();
   frames_.close();
   masks_.close();
   labels_.close();

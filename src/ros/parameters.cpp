@@ -16,8 +16,9 @@ namespace {
 using Entries = std::vector<std::pair<std::string, std::string>>;
 
 /// Names that belong to ROS or to the loader itself. `thresholds` is where dynamic_reconfigure mirrors its values.
-const std::set<std::string> kReserved = {"config_file", "thresholds", "diagnostic_period", "image_transport",
-                                         "bond_disable_heartbeat_timeout"};
+const std::set<std::string> kReserved = {"config_file",           "thresholds",
+                                         "diagnostic_period",     "image_transport",
+                                         "depth_image_transport", "bond_disable_heartbeat_timeout"};
 
 std::string topLevel(const std::string& key) { return key.substr(0, key.find('.')); }
 

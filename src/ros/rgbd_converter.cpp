@@ -10,8 +10,6 @@
 namespace semantic_vslam {
 namespace {
 
-constexpr double kMetresPerMillimetre = 0.001;  // REP 118: 16UC1 depth is in millimetres
-
 bool sameCamera(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b) {
   return a.width == b.width && a.height == b.height && a.K == b.K && a.P == b.P && a.D == b.D &&
          a.distortion_model == b.distortion_model;
@@ -35,7 +33,7 @@ std::shared_ptr<const CameraModel> RgbdConverter::cameraFor(const RgbdMessages& 
 
 std::optional<RgbdFrame> RgbdConverter::convert(const RgbdMessages& messages) {
   try {
-    return makeRgbdFrame(next_index_++, fromRos(messages.rgb->header.stamp), colourFromRos(messages.rgb),
+    return makeRgbdFrame(messages.index, fromRos(messages.rgb->header.stamp), colourFromRos(messages.rgb),
                          depthFromRos(messages.depth), kMetresPerMillimetre, cameraFor(messages));
   } catch (const Error& error) {
     ++refused_;

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "semantic_vslam/core/common/error.h"
+
 namespace semantic_vslam {
 namespace {
 
@@ -19,7 +21,7 @@ constexpr double kShortestPeriodS = 0.015;
 
 }  // namespace
 
-RgbdSubscriber::RgbdSubscriber(ros::NodeHandle nh, const RgbdInputConfig& config, Sink sink)
+RgbdSubscriber::RgbdSubscriber(ros::NodeHandle nh, ros::NodeHandle private_nh, const RgbdInputConfig& config, Sink sink)
     : config_(config),
       pairing_queue_(std::max(kLeastPairingQueue, config.queue_size)),
       sink_(std::move(sink)),
@@ -29,8 +31,7 @@ RgbdSubscriber::RgbdSubscriber(ros::NodeHandle nh, const RgbdInputConfig& config
   rgb_subscriber_.registerCallback([this](const sensor_msgs::ImageConstPtr&) { ++rgb_images_; });
   depth_subscriber_.registerCallback([this](const sensor_msgs::ImageConstPtr&) { ++depth_images_; });
   info_subscriber_ = nh.subscribe("rgb/camera_info", 5, &RgbdSubscriber::onInfo, this);
-  rgb_subscriber_.subscribe(transport_, "rgb/image_rect_color", pairing_queue_);
-  depth_subscriber_.subscribe(transport_, "depth_registered/image_rect", pairing_queue_);
+  subscribe(private_nh);
   silence_timer_ =
       nh.createSteadyTimer(ros::WallDuration(config_.silent_after_s), [this](const ros::SteadyTimerEvent&) {
         const std::string problem = missing();
@@ -53,13 +54,25 @@ void RgbdSubscriber::synchronize() {
   approximate_->registerCallback(&RgbdSubscriber::onPair, this);
 }
 
+void RgbdSubscriber::subscribe(ros::NodeHandle private_nh) {
+  using image_transport::TransportHints;
+  try {
+    rgb_subscriber_.subscribe(transport_, "rgb/image_rect_color", pairing_queue_,
+                              TransportHints("raw", {}, private_nh, "image_transport"));
+    depth_subscriber_.subscribe(transport_, "depth_registered/image_rect", pairing_queue_,
+                                TransportHints("raw", {}, private_nh, "depth_image_transport"));
+  } catch (const image_transport::Exception& error) {
+    throw ConfigError(std::string("~image_transport or ~depth_image_transport: ") + error.what());
+  }
+}
+
 void RgbdSubscriber::onInfo(const sensor_msgs::CameraInfoConstPtr& info) {
   std::lock_guard<std::mutex> lock(mutex_);
   info_ = info;
 }
 
 void RgbdSubscriber::onPair(const sensor_msgs::ImageConstPtr& rgb, const sensor_msgs::ImageConstPtr& depth) {
-  RgbdMessages messages{rgb, depth, nullptr};
+  RgbdMessages messages{pairs_, rgb, depth, nullptr};
   {
     std::lock_guard<std::mutex> lock(mutex_);
     if (config_.camera_file.empty()) {

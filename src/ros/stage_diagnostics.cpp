@@ -3,10 +3,10 @@
 #include "semantic_vslam/ros/stage_diagnostics.h"
 
 #include <ros/console.h>
-#include <time.h>
+
+#include <utility>
 
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/eval/stage_timing.h"
 #include "semantic_vslam/ros/conversions.h"
 
 namespace semantic_vslam {
@@ -31,12 +31,6 @@ void installRosLogSink() {
       case LogLevel::kError: ROS_ERROR("%s", message.c_str()); break;
     }
   });
-}
-
-double threadCpuMs() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
 StageDiagnostics::Step::Step(StageDiagnostics& diagnostics, Stamp stamp)
@@ -68,6 +62,13 @@ void StageDiagnostics::record(Stamp stamp, double wall_ms, double cpu_ms) {
   ++steps_;
 }
 
+bool StageDiagnostics::addFault(Status& status, const std::string& name, std::size_t count) {
+  status.add(name, count);
+  const std::size_t more = count - std::exchange(reported_[name], count);
+  if (more > 0) status.mergeSummary(DiagnosticStatus::WARN, name + ": " + std::to_string(more) + " more");
+  return more > 0;
+}
+
 void StageDiagnostics::fill(Status& status) {
   std::vector<double> wall_ms, cpu_ms;
   {
@@ -91,9 +92,7 @@ void StageDiagnostics::fill(Status& status) {
 
   const QueueCounters queue = sources_.queue();
   status.add("queue high water", queue.high_water);
-  status.add("dropped", queue.dropped);
-  if (queue.dropped > reported_drops_) status.mergeSummary(DiagnosticStatus::WARN, "dropping input");
-  reported_drops_ = queue.dropped;
+  addFault(status, "dropped", queue.dropped);
 
   const std::string missing = sources_.missing();
   if (!missing.empty()) status.mergeSummary(DiagnosticStatus::ERROR, missing);

@@ -22,10 +22,6 @@ struct Edge {
 
 using Edges = std::unordered_map<std::string, Edge>;  // by child
 
-std::string withoutSlash(const std::string& frame) {
-  return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame;
-}
-
 /// @note tf2_msgs/TFMessage has the fields and the MD5 sum of the old tf/tfMessage, so this reads both.
 Edges readEdges(const rosbag::Bag& bag) {
   Edges edges;
@@ -34,8 +30,8 @@ Edges readEdges(const rosbag::Bag& bag) {
     const auto message = instance.instantiate<tf2_msgs::TFMessage>();
     if (!message) continue;
     for (const auto& transform : message->transforms) {
-      const std::string parent = withoutSlash(transform.header.frame_id);
-      Edge& edge = edges[withoutSlash(transform.child_frame_id)];
+      const std::string parent = frameName(transform.header.frame_id);
+      Edge& edge = edges[frameName(transform.child_frame_id)];
       if (edge.parent.empty()) edge.parent = parent;
       if (edge.parent != parent) continue;  // a second parent is no tree; the first one counts
       edge.T_parent_child.push_back({fromRos(transform.header.stamp), fromRos(transform.transform)});
@@ -73,7 +69,7 @@ const SE3& closest(const Edge& edge, Stamp stamp) {
 
 std::vector<TimedPose> readTfChain(const rosbag::Bag& bag, const std::string& root, const std::string& leaf) {
   const Edges edges = readEdges(bag);
-  const std::vector<const Edge*> chain = chainOf(edges, withoutSlash(root), withoutSlash(leaf));
+  const std::vector<const Edge*> chain = chainOf(edges, frameName(root), frameName(leaf));
   if (chain.empty()) return {};
   const Edge* most_frequent = *std::max_element(chain.begin(), chain.end(), [](const Edge* a, const Edge* b) {
     return a->T_parent_child.size() < b->T_parent_child.size();

@@ -64,6 +64,8 @@ CameraIntrinsics fromRos(const sensor_msgs::CameraInfo& info, bool rectified);
 /// @throws Error naming the encoding, or what is wrong with the image.
 cv::Mat colourFromRos(const sensor_msgs::ImageConstPtr& message);
 
+constexpr double kMetresPerMillimetre = 0.001;  ///< REP 118: 16UC1 depth is in millimetres
+
 /// Views a depth image: the result reads the message's memory and must not outlive it.
 /// @param message 32FC1 (metres) or 16UC1 (millimetres), REP 118.
 /// @throws Error naming the encoding, or what is wrong with the image.

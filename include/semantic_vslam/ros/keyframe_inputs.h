@@ -6,15 +6,13 @@
 #include <ros/subscriber.h>
 
 #include <atomic>
-#include <memory>
 #include <optional>
 #include <string>
 
 #include "semantic_vslam/core/dense/waiting_keyframes.h"
 #include "semantic_vslam/core/segmentation/label_set.h"
 #include "semantic_vslam/core/segmentation/segmentation_config.h"
-#include "semantic_vslam/ros/rgbd_converter.h"
-#include "semantic_vslam/ros/rgbd_subscriber.h"
+#include "semantic_vslam/ros/kept_frames.h"
 #include "semantic_vslam/ros/stage_diagnostics.h"
 #include "semantic_vslam/ros/stamped_buffer.h"
 
@@ -33,8 +31,7 @@ struct DecisionConfig {
 struct KeyframeInputsConfig {
   double labels_wait_s = 3.0;
   double mask_wait_s = 0.5;
-  int kept_frames = 30;
-  RgbdInputConfig input;
+  KeptFramesConfig frames;
   DecisionConfig segmentation;
 
   template <class Visitor>
@@ -42,8 +39,7 @@ struct KeyframeInputsConfig {
     v.field("labels_wait_s", labels_wait_s, 0.0, 30.0,
             "s a keyframe waits for its labels while a network runs; without them it stays out of the map");
     v.field("mask_wait_s", mask_wait_s, 0.0, 30.0, "s a keyframe waits for its motion mask");
-    v.field("kept_frames", kept_frames, 2, 300, "newest images that wait for the tracker to name one of them");
-    v.group("input", input);
+    frames.visit(v);
     v.group("segmentation", segmentation);
   }
 };
@@ -58,8 +54,8 @@ struct KeyframeImages {
 /// at different times. Subscribes to the images, motion/mask and segmentation/labels.
 class KeyframeInputs {
  public:
-  /// @throws FileError or ConfigError for a camera file that does not load
-  KeyframeInputs(ros::NodeHandle nh, const KeyframeInputsConfig& config);
+  /// @throws FileError or ConfigError, see KeptFrames
+  KeyframeInputs(ros::NodeHandle nh, ros::NodeHandle private_nh, const KeyframeInputsConfig& config);
 
   /// What is here already of a keyframe. To be called as soon as it is named.
   KeyframeImages imagesNow(Stamp stamp) const { return {frames_.find(stamp), masks_.find(stamp)}; }
@@ -69,9 +65,9 @@ class KeyframeInputs {
   ///         this keyframe over (people who stand would be in it): counted
   std::optional<DenseInput> gather(KeyframeId id, Stamp stamp, KeyframeImages images, const LabelSet& labels);
 
-  std::string missing() const { return images_ ? images_->missing() : std::string(); }
-  void report(StageDiagnostics::Status& status) const;
-  /// Ends all subscriptions and waiting, for good.
+  std::string missing() const { return frames_.missing(); }
+  void report(StageDiagnostics& diagnostics, StageDiagnostics::Status& status) const;
+  /// Ends all subscriptions and waiting, for good. Not during missing().
   void close();
 
  private:
@@ -80,16 +76,14 @@ class KeyframeInputs {
   cv::Mat1b withMovingObjects(const cv::Mat1b& mask, const cv::Mat1b& labels, const LabelSet& label_set) const;
 
   const KeyframeInputsConfig config_;
-  RgbdConverter converter_;  // gather()'s thread only, but for refused()
-  StampedBuffer<RgbdMessages> frames_;
   StampedBuffer<cv::Mat1b> masks_{30};
   // Of as many keyframes as may wait for the map; k1 is named after later frames have been labelled.
   StampedBuffer<cv::Mat1b> labels_{64, 2.0};
-  std::atomic<std::size_t> images_missing_{0}, masks_missing_{0}, unlabelled_{0};
+  std::atomic<std::size_t> masks_missing_{0}, unlabelled_{0};
 
   // Last, so that callbacks stop before what they use is gone.
   ros::Subscriber mask_subscriber_, labels_subscriber_;
-  std::unique_ptr<RgbdSubscriber> images_;
+  KeptFrames frames_;
 };
 
 }  // namespace semantic_vslam

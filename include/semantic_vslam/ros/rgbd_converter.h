@@ -31,7 +31,6 @@ class RgbdConverter {
   const bool rectified_;
   std::shared_ptr<const CameraModel> camera_;
   sensor_msgs::CameraInfoConstPtr camera_info_;  // what camera_ was made of; null if of a file
-  std::uint64_t next_index_ = 0;
   LogThrottle throttle_;
   std::atomic<std::size_t> refused_{0};
 };

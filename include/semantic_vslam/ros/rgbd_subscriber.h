@@ -12,6 +12,7 @@
 #include <sensor_msgs/Image.h>
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -47,20 +48,22 @@ struct RgbdInputConfig {
 
 /// A pair as received. Converting it is the worker's job, so that the callbacks return at once.
 struct RgbdMessages {
+  std::uint64_t index = 0;  ///< counts the pairs received, so that it tells how many were dropped between two
   sensor_msgs::ImageConstPtr rgb, depth;
   sensor_msgs::CameraInfoConstPtr info;  ///< null where a camera file is used
 };
 
 /// Subscribes to `rgb/image_rect_color`, `depth_registered/image_rect` and `rgb/camera_info`, and pairs the images by
-/// stamp. An input that stays silent is named, as resolved, in the log and the diagnostics.
+/// stamp. The private parameters `image_transport` and `depth_image_transport` choose how images come in; raw unless
+/// set. An input that stays silent is named, as resolved, in the log and the diagnostics.
 class RgbdSubscriber {
  public:
   using Sink = std::function<void(const RgbdMessages&)>;
 
   /// @param sink  called from the callback thread with each pair; must not block.
-  RgbdSubscriber(ros::NodeHandle nh, const RgbdInputConfig& config, Sink sink);
+  /// @throws ConfigError if there is no such image transport
+  RgbdSubscriber(ros::NodeHandle nh, ros::NodeHandle private_nh, const RgbdInputConfig& config, Sink sink);
 
-  std::size_t pairs() const { return pairs_; }
   /// @return resolved names of the inputs that are silent and what is wrong; empty while pairs come in.
   std::string missing() const;
 
@@ -69,6 +72,7 @@ class RgbdSubscriber {
   using ApproximatePolicy = message_filters::sync_policies::ApproximateTime<sensor_msgs::Image, sensor_msgs::Image>;
 
   void synchronize();
+  void subscribe(ros::NodeHandle private_nh);
   void onPair(const sensor_msgs::ImageConstPtr& rgb, const sensor_msgs::ImageConstPtr& depth);
   void onInfo(const sensor_msgs::CameraInfoConstPtr& info);
 

@@ -6,20 +6,19 @@
 #include <ros/node_handle.h>
 
 #include <functional>
+#include <map>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "semantic_vslam/core/common/bounded_queue.h"
 #include "semantic_vslam/core/common/stamp.h"
+#include "semantic_vslam/core/eval/stage_timing.h"
 
 namespace semantic_vslam {
 
 /// Routes the messages of the core to rosconsole. Once per process is enough; more do no harm.
 void installRosLogSink();
-
-/// CPU time of the calling thread.
-double threadCpuMs();
 
 /// The health of one nodelet on /diagnostics, once a second: rate, age of the newest result, milliseconds against the
 /// budget, queue, and what the nodelet adds.
@@ -42,6 +41,10 @@ class StageDiagnostics {
   void start(ros::NodeHandle nh, Sources sources);
   /// Returns when no report is under way any more.
   void stop() { timer_.stop(); }
+
+  /// Adds a count of what should not happen; while it grows the status is a warning. To be called by the details.
+  /// @return whether it has grown since the last report
+  bool addFault(Status& status, const std::string& name, std::size_t count);
 
   /// Times one step from construction to destruction, on one thread.
   class Step {
@@ -67,11 +70,11 @@ class StageDiagnostics {
   const double budget_ms_;
   Sources sources_;
   std::mutex mutex_;
-  std::vector<double> wall_ms_, cpu_ms_;  // guarded by mutex_; of the period since the last report
-  Stamp newest_;                          // guarded by mutex_
-  std::size_t steps_ = 0;                 // guarded by mutex_
-  std::size_t reported_drops_ = 0;        // callback thread only
-  ros::SteadyTime last_report_;           // callback thread only
+  std::vector<double> wall_ms_, cpu_ms_;         // guarded by mutex_; of the period since the last report
+  Stamp newest_;                                 // guarded by mutex_
+  std::size_t steps_ = 0;                        // guarded by mutex_
+  std::map<std::string, std::size_t> reported_;  // faults; callback thread only
+  ros::SteadyTime last_report_;                  // callback thread only
   diagnostic_updater::Updater updater_;
   ros::SteadyTimer timer_;
 };

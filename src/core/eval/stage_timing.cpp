@@ -15,15 +15,12 @@
 #include "semantic_vslam/core/io/atomic_file.h"
 
 namespace semantic_vslam {
-namespace {
 
 double threadCpuMs() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
-
-}  // namespace
 
 StageTimes::Scope::Scope(StageTimes& times, std::string stage, std::uint64_t frame)
     : times_(times), wall_begin_(std::chrono::steady_clock::now()), cpu_begin_ms_(threadCpuMs()) {

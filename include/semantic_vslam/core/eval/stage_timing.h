@@ -11,6 +11,9 @@
 
 namespace semantic_vslam {
 
+/// CPU time of the calling thread.
+double threadCpuMs();
+
 /// What one stage took for one frame.
 struct StageTime {
   std::string stage;

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nodelet/nodelet.h>
+
+#include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/ros/stage_diagnostics.h"
+
+namespace semantic_vslam {
+
+/// A nodelet that runs one stage. A start that fails is one line in the log and ends the node.
+class StageNodelet : public nodelet::Nodelet {
+ private:
+  virtual void start() = 0;
+
+  void onInit() final {
+    installRosLogSink();
+    try {
+      start();
+    } catch (const Error& error) {
+      NODELET_FATAL("%s", error.what());
+      throw;  // the loader gives the nodelet up; a node ends
+    }
+  }
+};
+
+}  // namespace semantic_vslam

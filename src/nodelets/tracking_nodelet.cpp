@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <nodelet/nodelet.h>
-
 #include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "semantic_vslam/core/common/error.h"
@@ -19,7 +18,7 @@
 #include "semantic_vslam/ros/rgbd_converter.h"
 #include "semantic_vslam/ros/rgbd_subscriber.h"
 #include "semantic_vslam/ros/services.h"
-#include "semantic_vslam/ros/stage_diagnostics.h"
+#include "semantic_vslam/ros/stage_nodelet.h"
 #include "semantic_vslam/ros/tracking_publisher.h"
 #include "semantic_vslam/ros/worker.h"
 
@@ -52,13 +51,12 @@ struct TrackingNodeletConfig {
 
 /// Images and motion masks -> pose on tf and tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points}.
 /// Owner of the sparse map.
-class TrackingNodelet final : public nodelet::Nodelet {
+class TrackingNodelet final : public StageNodelet {
  public:
   ~TrackingNodelet() override;
 
  private:
-  void onInit() override;
-  void start();
+  void start() override;
   void advertiseServices(ros::NodeHandle private_nh);
   void report(StageDiagnostics::Status& status);
   void dropMap();
@@ -93,17 +91,7 @@ TrackingNodelet::~TrackingNodelet() {
   worker_.reset();
 }
 
-void TrackingNodelet::onInit() {
-  try {
-    start();
-  } catch (const Error& error) {
-    NODELET_FATAL("%s", error.what());
-    throw;  // the loader gives the nodelet up; a node ends
-  }
-}
-
 void TrackingNodelet::start() {
-  installRosLogSink();
   ros::NodeHandle nh = getNodeHandle(), private_nh = getPrivateNodeHandle();
   config_ = loadParameters<TrackingNodeletConfig>(private_nh);
   converter_.emplace(config_.input);
@@ -114,7 +102,8 @@ void TrackingNodelet::start() {
   worker_ = std::make_unique<Worker<RgbdMessages>>(config_.input.queue_size, QueuePolicy::kDropOldest,
                                                    [this](const RgbdMessages& messages) { step(messages); });
   masks_ = std::make_unique<MotionMaskInput>(nh, config_.masks);
-  advertiseServices(private_nh);
+  // Services wait for a frame or for bundle adjustment: on threads of their own, so that images still come in.
+  advertiseServices(getMTPrivateNodeHandle());
   input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.input,
                                             [this](const RgbdMessages& messages) { worker_->push(messages); });
   diagnostics_->start(nh, {[this] { return input_->missing(); }, [this] { return worker_->counters(); },
@@ -131,8 +120,9 @@ void TrackingNodelet::advertiseServices(ros::NodeHandle private_nh) {
     return "map saved in " + config_.map_file;
   });
   services_.addTrigger(private_nh, "load_map", [this] {
+    SavedMap saved = slam_->readMap(config_.map_file);  // takes long: tracking goes on
     std::lock_guard<std::mutex> lock(step_mutex_);
-    slam_->loadMap(config_.map_file);
+    slam_->loadMap(std::move(saved));
     publisher_->startMap(TrackingPublisher::Anchor::kKeep);
     return "map loaded from " + config_.map_file;
   });
@@ -153,12 +143,15 @@ void TrackingNodelet::report(StageDiagnostics::Status& status) {
   status.add("loops closed", slam_->loopCount());
   status.add("frames with a pose", posed_.load());
   status.add("frames without", lost_.load());
-  status.add("frames refused", converter_->refused());
+  status.add("paused", paused_.load());
+  diagnostics_->addFault(status, "frames refused", converter_->refused());
   status.add("frames without mask", without_mask_.load());
-  status.add("frames skipped as motion did", skipped_with_motion_.load());
-  status.add("frames that waited for labels", waited_for_labels_.load());
+  diagnostics_->addFault(status, "frames skipped as motion did", skipped_with_motion_);
+  diagnostics_->addFault(status, "frames that waited for labels", waited_for_labels_);
   status.add("transforms sent", publisher_->tf().sent());
-  status.add("transforms not found", publisher_->tf().failedLookups());
+  if (diagnostics_->addFault(status, "transforms not found", publisher_->tf().failedLookups())) {
+    status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN, publisher_->tf().lastFailure());
+  }
   for (const StageSummary& stage : times_.summarize()) {
     status.addf("cpu median of " + stage.stage, "%.1f ms", stage.cpu.median_ms);
   }
@@ -189,14 +182,14 @@ void TrackingNodelet::step(const RgbdMessages& messages) {
   }
   const std::optional<RgbdFrame> frame = converter_->convert(messages);
   if (!frame) return;
-  const std::optional<SE3> T_camera_body = publisher_->cameraFromBody(image);
-  if (!T_camera_body) return;  // counted; the next frame may know
   const cv::Mat1b mask = masks_->maskOf(image, frame->gray.size());
   if (mask.empty() && masks_->passedOver(stamp) && worker_->waiting() > 0) {
     ++skipped_with_motion_;  // both stages are behind: track the frames that the motion stage had time for
     return;
   }
   if (mask.empty()) ++without_mask_;
+  const std::optional<BodyTransforms> body = publisher_->lookUp(image);
+  if (!body) return;  // counted; the next frame may know
 
   std::lock_guard<std::mutex> lock(step_mutex_);
   const StageDiagnostics::Step timer(*diagnostics_, stamp);
@@ -209,7 +202,7 @@ void TrackingNodelet::step(const RgbdMessages& messages) {
   report.has_mask = !mask.empty();
   if (report.has_mask) report.dynamic_share = cv::countNonZero(mask >= 128) / static_cast<double>(mask.total());
   report.cpu_ms = timer.cpuMs();
-  publisher_->publish(image, *T_camera_body, result, *slam_, report);
+  publisher_->publish(image, *body, result, *slam_, report);
 }
 
 }  // namespace semantic_vslam

@@ -4,10 +4,18 @@
 
 #include <ros/console.h>
 
+#include <cmath>
+#include <thread>
+
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/ros/conversions.h"
 
 namespace semantic_vslam {
+namespace {
+
+constexpr std::chrono::milliseconds kPollPeriod{2};  // a fraction of what a frame takes
+
+}  // namespace
 
 TfPublisher::TfPublisher(ros::NodeHandle nh, const FramesConfig& config) : config_(config) {
   if (config_.map_frame.empty()) throw ConfigError("frames.map_frame is empty, must name the fixed frame");
@@ -28,29 +36,52 @@ std::string TfPublisher::bodyFrame(const std_msgs::Header& image) const {
   return config_.base_frame.empty() ? frameName(image.frame_id) : config_.base_frame;
 }
 
-std::optional<SE3> TfPublisher::cameraFromBody(const std_msgs::Header& image) {
+std::optional<BodyTransforms> TfPublisher::lookUp(const std_msgs::Header& image) {
+  const Deadline deadline =
+      std::chrono::steady_clock::now() + std::chrono::microseconds(std::lround(config_.tf_wait_s * 1e6));
+  BodyTransforms transforms;
   const std::string camera_frame = frameName(image.frame_id);
-  if (config_.base_frame.empty() || config_.base_frame == camera_frame) return SE3(SE3::Identity());
-  return lookUp(camera_frame, config_.base_frame, image.stamp);
+  if (!config_.base_frame.empty() && config_.base_frame != camera_frame) {
+    const auto T_camera_body = find(camera_frame, config_.base_frame, image.stamp, deadline);
+    if (!T_camera_body) return std::nullopt;
+    transforms.T_camera_body = *T_camera_body;
+  }
+  if (config_.publish_tf && !config_.odom_frame.empty()) {
+    transforms.T_body_odom = find(config_.base_frame, config_.odom_frame, image.stamp, deadline);
+  }
+  return transforms;
 }
 
-void TfPublisher::publish(const std_msgs::Header& image, const SE3& T_map_body) {
+void TfPublisher::publish(const std_msgs::Header& image, const SE3& T_map_body, const std::optional<SE3>& T_body_odom) {
   if (!config_.publish_tf) return;
   if (config_.odom_frame.empty()) {
     send(bodyFrame(image), image.stamp, T_map_body);
-  } else if (const auto T_base_odom = lookUp(config_.base_frame, config_.odom_frame, image.stamp)) {
-    send(config_.odom_frame, image.stamp + ros::Duration(config_.tf_future_s), T_map_body * *T_base_odom);
+  } else if (T_body_odom) {
+    send(config_.odom_frame, image.stamp + ros::Duration(config_.tf_future_s), T_map_body * *T_body_odom);
   }
 }
 
-std::optional<SE3> TfPublisher::lookUp(const std::string& target, const std::string& source, const ros::Time& time) {
+/// tf2's own waiting goes by simulated time, which may stand still.
+std::optional<SE3> TfPublisher::find(const std::string& target, const std::string& source, const ros::Time& time,
+                                     Deadline deadline) {
+  while (!buffer_->canTransform(target, source, time) && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(kPollPeriod);
+  }
   try {
-    return fromRos(buffer_->lookupTransform(target, source, time, ros::Duration(config_.tf_wait_s)).transform);
+    return fromRos(buffer_->lookupTransform(target, source, time).transform);
   } catch (const tf2::TransformException& error) {
     ++failed_lookups_;
-    ROS_WARN_THROTTLE(5.0, "tf of this frame skipped: %s -> %s: %s", target.c_str(), source.c_str(), error.what());
+    const std::string edge = target + " -> " + source;
+    if (throttle_.passes(edge)) ROS_WARN("tf of this frame skipped: %s: %s", edge.c_str(), error.what());
+    std::lock_guard<std::mutex> lock(mutex_);
+    last_failure_ = edge + ": " + error.what();
     return std::nullopt;
   }
+}
+
+std::string TfPublisher::lastFailure() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return last_failure_;
 }
 
 void TfPublisher::send(const std::string& child, const ros::Time& stamp, const SE3& T_map_child) {

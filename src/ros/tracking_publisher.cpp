@@ -67,12 +67,12 @@ void TrackingPublisher::startMap(Anchor anchor) {
   publishKeyframePoses(nothing);
 }
 
-void TrackingPublisher::publish(const std_msgs::Header& image, const SE3& T_camera_body, const SparseStep& step,
+void TrackingPublisher::publish(const std_msgs::Header& image, const BodyTransforms& body, const SparseStep& step,
                                 const SparseSlam& slam, const TrackedFrameReport& report) {
-  anchorMap(T_camera_body);
+  anchorMap(body.T_camera_body);
   const TrackingState state = step.tracking.state;
   if (state == TrackingState::kOk || state == TrackingState::kRecentlyLost) {
-    publishPose(image, T_camera_body, step.tracking);
+    publishPose(image, body, step.tracking);
   }
   publishKeyframes(step, slam, image);
   publishPaths(image, slam);
@@ -86,18 +86,18 @@ void TrackingPublisher::anchorMap(const SE3& T_camera_body) {
   T_map_world_ = initial_pose_.transform() * (frames_.base_frame.empty() ? bodyFromOptical() : T_camera_body.inverse());
 }
 
-void TrackingPublisher::publishPose(const std_msgs::Header& image, const SE3& T_camera_body,
+void TrackingPublisher::publishPose(const std_msgs::Header& image, const BodyTransforms& body,
                                     const TrackingResult& tracking) {
   const SE3 T_map_camera = *T_map_world_ * tracking.T_camera_world.inverse();
-  const SE3 T_map_body = T_map_camera * T_camera_body;
-  tf_.publish(image, T_map_body);
+  const SE3 T_map_body = T_map_camera * body.T_camera_body;
+  tf_.publish(image, T_map_body, body.T_body_odom);
 
   nav_msgs::Odometry odometry;
   odometry.header.stamp = image.stamp;
   odometry.header.frame_id = frames_.map_frame;
   odometry.child_frame_id = tf_.bodyFrame(image);
   odometry.pose.pose = toPose(T_map_body);
-  odometry.pose.covariance = bodyCovariance(tracking.covariance, T_map_camera, T_camera_body);
+  odometry.pose.covariance = bodyCovariance(tracking.covariance, T_map_camera, body.T_camera_body);
   odometry.twist.twist = twistTo({fromRos(image.stamp), T_map_body});
   odometry_.publish(odometry);
 

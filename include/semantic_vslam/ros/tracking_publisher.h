@@ -45,7 +45,7 @@ struct TrackedFrameReport {
 
 /// Publishes what tracking finds: tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points} and tf.
 /// Core poses, whose world is the first camera's optical frame, become poses in the map frame (z up) here and nowhere
-/// else. The caller serialises all calls but trajectory(), which any thread may make.
+/// else. The caller serialises all calls but lookUp(), and trajectory(), which any thread may make.
 class TrackingPublisher {
  public:
   /// @param path_period_s  between publications of the path and of moved keyframes, in the images' time
@@ -53,12 +53,12 @@ class TrackingPublisher {
   TrackingPublisher(ros::NodeHandle nh, const FramesConfig& frames, const InitialPoseConfig& initial_pose,
                     double path_period_s);
 
-  /// @return where the body is in the camera; nothing if tf does not know yet: the frame cannot be used.
-  std::optional<SE3> cameraFromBody(const std_msgs::Header& image) { return tf_.cameraFromBody(image); }
+  /// See TfPublisher; without it a frame cannot be used. May wait; not serialised with the other calls.
+  std::optional<BodyTransforms> lookUp(const std_msgs::Header& image) { return tf_.lookUp(image); }
 
   /// Publishes a frame. The first one after a reset puts its body at the initial pose.
-  void publish(const std_msgs::Header& image, const SE3& T_camera_body, const SparseStep& step, const SparseSlam& slam,
-               const TrackedFrameReport& report);
+  void publish(const std_msgs::Header& image, const BodyTransforms& body, const SparseStep& step,
+               const SparseSlam& slam, const TrackedFrameReport& report);
   /// Where the world of a new map lies: as that of the last one, or so that the next frame is at the initial pose.
   enum class Anchor { kKeep, kAtNextFrame };
   /// The map was dropped or another was loaded: says so to whoever keeps its keyframes. Not during publish().
@@ -70,7 +70,7 @@ class TrackingPublisher {
 
  private:
   void anchorMap(const SE3& T_camera_body);
-  void publishPose(const std_msgs::Header& image, const SE3& T_camera_body, const TrackingResult& tracking);
+  void publishPose(const std_msgs::Header& image, const BodyTransforms& body, const TrackingResult& tracking);
   geometry_msgs::Twist twistTo(const TimedPose& body);
   void publishKeyframes(const SparseStep& step, const SparseSlam& slam, const std_msgs::Header& image);
   void publishKeyframe(KeyframeId id, Stamp stamp, const KeyframePoseArray& poses, const SparseSlam& slam);

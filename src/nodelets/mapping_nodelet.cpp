@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <nodelet/nodelet.h>
 #include <semantic_vslam/KeyframePoseArray.h>
 #include <semantic_vslam/KeyframeStamped.h>
 #include <semantic_vslam/LabelInfo.h>
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <future>
 #include <memory>
@@ -25,7 +25,7 @@
 #include "semantic_vslam/ros/map_publisher.h"
 #include "semantic_vslam/ros/parameters.h"
 #include "semantic_vslam/ros/services.h"
-#include "semantic_vslam/ros/stage_diagnostics.h"
+#include "semantic_vslam/ros/stage_nodelet.h"
 #include "semantic_vslam/ros/worker.h"
 
 namespace semantic_vslam {
@@ -54,15 +54,14 @@ struct MappingNodeletConfig {
 /// Images and poses of keyframes, motion masks and labels -> mapping/{semantic_cloud, octomap_binary, octomap_full,
 /// projected_map, objects}, latched. The maps follow tracking/keyframe_poses. All work on the map is done by one
 /// worker.
-class MappingNodelet final : public nodelet::Nodelet {
+class MappingNodelet final : public StageNodelet {
  public:
   ~MappingNodelet() override;
 
  private:
   using Task = std::function<void()>;
 
-  void onInit() override;
-  void start();
+  void start() override;
   void advertiseServices(ros::NodeHandle private_nh);
   void subscribe(ros::NodeHandle nh);
   void report(StageDiagnostics::Status& status);
@@ -71,8 +70,11 @@ class MappingNodelet final : public nodelet::Nodelet {
   void onLabelInfo(const LabelInfoConstPtr& message);
   void onTimer();
   void runOnWorker(const Task& task);
+  void wakeWorker();
 
   // Worker thread
+  void work(const Task& task);
+  void takeChanges();
   void integrate(const KeyframeStamped& keyframe, const KeyframeImages& images);
   void placeWaiting();
   void startMap(std::uint32_t map_id);
@@ -86,7 +88,12 @@ class MappingNodelet final : public nodelet::Nodelet {
   std::vector<KeyframePose> poses_;        // worker only; newest known
   WaitingKeyframes waiting_;               // worker only
   std::optional<MapPublisher> publisher_;  // worker only
+  std::size_t published_rebuilds_ = 0;     // worker only
+  std::mutex mutex_;
+  KeyframePoseArrayConstPtr new_poses_;    // guarded by mutex_
+  std::optional<LabelSet> new_label_set_;  // guarded by mutex_
   std::atomic<bool> publication_due_{false};
+  std::atomic<std::uint32_t> newest_map_id_{0};
   std::atomic<std::size_t> keyframes_{0}, voxels_{0}, waiting_count_{0};
 
   std::unique_ptr<StageDiagnostics> diagnostics_;
@@ -98,32 +105,26 @@ class MappingNodelet final : public nodelet::Nodelet {
 };
 
 MappingNodelet::~MappingNodelet() {
+  if (diagnostics_) diagnostics_->stop();
+  if (inputs_) inputs_->close();  // the worker waits for nothing any more, nor does who waits for the worker
   for (ros::Subscriber& subscriber : subscribers_) subscriber.shutdown();
   services_.shutdown();
   publish_timer_.stop();
-  if (diagnostics_) diagnostics_->stop();
-  if (inputs_) inputs_->close();
   worker_.reset();
 }
 
-void MappingNodelet::onInit() {
-  try {
-    start();
-  } catch (const Error& error) {
-    NODELET_FATAL("%s", error.what());
-    throw;  // the loader gives the nodelet up; a node ends
-  }
-}
-
 void MappingNodelet::start() {
-  installRosLogSink();
   ros::NodeHandle nh = getNodeHandle(), private_nh = getPrivateNodeHandle();
   config_ = loadParameters<MappingNodeletConfig>(private_nh);
+  if (!config_.dense.enabled) {
+    NODELET_INFO("dense.enabled is false: no dense map is made");
+    return;
+  }
   mapper_.emplace(config_.dense, label_set_);
   diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "mapping", config_.budget_ms);
   publisher_.emplace(nh, config_.map_frame, config_.objects);
   worker_ = std::make_unique<Worker<Task>>(
-      64, QueuePolicy::kBlock, [](const Task& task) { task(); }, WorkerPriority::kKeyframes);
+      64, QueuePolicy::kBlock, [this](const Task& task) { work(task); }, WorkerPriority::kKeyframes);
   inputs_ = std::make_unique<KeyframeInputs>(nh, private_nh, config_.inputs);
   // Services wait for the worker: they get threads of their own, so that images still come in meanwhile.
   advertiseServices(getMTPrivateNodeHandle());
@@ -146,7 +147,7 @@ void MappingNodelet::advertiseServices(ros::NodeHandle private_nh) {
 void MappingNodelet::subscribe(ros::NodeHandle nh) {
   subscribers_.push_back(nh.subscribe("segmentation/label_info", 1, &MappingNodelet::onLabelInfo, this));
   subscribers_.push_back(nh.subscribe("tracking/keyframe_poses", 1, &MappingNodelet::onKeyframePoses, this));
-  // Keyframes block when the worker is behind, on a thread of their own.
+  // When the worker is far behind keyframes block, but not the thread that takes the images in.
   subscribers_.push_back(getMTNodeHandle().subscribe("tracking/keyframe", 50, &MappingNodelet::onKeyframe, this));
   publish_timer_ = nh.createSteadyTimer(ros::WallDuration(config_.publish_period_s),
                                         [this](const ros::SteadyTimerEvent&) { onTimer(); });
@@ -173,40 +174,69 @@ void MappingNodelet::runOnWorker(const Task& task) {
   done.get_future().get();
 }
 
+/// What came in on the images' thread must not block there: it is left in its slot, and taken with the next task.
+void MappingNodelet::wakeWorker() {
+  if (worker_->waiting() == 0) worker_->push([] {});
+}
+
 void MappingNodelet::onKeyframe(const KeyframeStampedConstPtr& message) {
   // The images are taken now: while the worker waits for labels, newer ones push them out.
+  newest_map_id_ = message->map_id;
   worker_->push(
       [this, message, images = inputs_->imagesNow(fromRos(message->header.stamp))] { integrate(*message, images); });
 }
 
 void MappingNodelet::onKeyframePoses(const KeyframePoseArrayConstPtr& message) {
-  worker_->push([this, message] {
-    if (message->map_id != map_id_) startMap(message->map_id);
-    const std::size_t rebuilds = mapper_->rebuilds();
-    poses_ = fromRos(*message);
-    placeWaiting();
-    mapper_->updatePoses(poses_);
-    if (mapper_->rebuilds() != rebuilds) publisher_->markChanged();
-  });
+  newest_map_id_ = message->map_id;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    new_poses_ = message;
+  }
+  wakeWorker();
 }
 
 void MappingNodelet::onLabelInfo(const LabelInfoConstPtr& message) {
-  worker_->push([this, label_set = fromRos(*message)] {
-    label_set_ = label_set;
-    if (mapper_->keyframes() > 0) NODELET_WARN("the classes changed: the dense map starts anew");
-    startMap(map_id_);
-  });
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    new_label_set_ = fromRos(*message);
+  }
+  wakeWorker();
 }
 
 void MappingNodelet::onTimer() {
-  if (publication_due_.exchange(true)) return;  // the last one still waits for the worker
-  worker_->push([this] {
-    publication_due_ = false;
-    publishMaps();
-  });
+  publication_due_ = true;
+  wakeWorker();
+}
+
+void MappingNodelet::work(const Task& task) {
+  takeChanges();
+  task();
+  if (publication_due_.exchange(false)) publishMaps();
+}
+
+void MappingNodelet::takeChanges() {
+  std::optional<LabelSet> label_set;
+  KeyframePoseArrayConstPtr poses;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    label_set.swap(new_label_set_);
+    poses.swap(new_poses_);
+  }
+  if (label_set) {
+    label_set_ = *label_set;
+    if (mapper_->keyframes() > 0) NODELET_WARN("the classes changed: the dense map starts anew");
+    startMap(map_id_);
+  }
+  if (poses) {
+    if (poses->map_id != map_id_) startMap(poses->map_id);
+    poses_ = fromRos(*poses);
+    placeWaiting();
+    mapper_->updatePoses(poses_);
+  }
 }
 
 void MappingNodelet::integrate(const KeyframeStamped& keyframe, const KeyframeImages& images) {
+  if (keyframe.map_id != newest_map_id_) return;  // of a map that is gone
   const Stamp stamp = fromRos(keyframe.header.stamp);
   auto input = inputs_->gather(KeyframeId(keyframe.id), stamp, images, label_set_);
   if (!input) return;
@@ -238,10 +268,9 @@ void MappingNodelet::startMap(std::uint32_t map_id) {
 }
 
 void MappingNodelet::publishMaps() {
-  if (mapper_->busy()) {
-    mapper_->work();
-    publisher_->markChanged();
-  }
+  mapper_->work();
+  // During a rebuild the old map is served; it may also have ended elsewhere, as in save().
+  if (std::exchange(published_rebuilds_, mapper_->rebuilds()) != mapper_->rebuilds()) publisher_->markChanged();
   keyframes_ = mapper_->keyframes();
   voxels_ = mapper_->voxels();
   publisher_->publish(*mapper_, label_set_);

@@ -3,7 +3,6 @@
 #include "semantic_vslam/core/motion/mask_cleanup.h"
 
 #include <opencv2/imgproc.hpp>
-#include <vector>
 
 namespace semantic_vslam {
 namespace {
@@ -21,21 +20,14 @@ cv::Mat1b cleanMask(const cv::Mat1b& mask, float cell_px, const MaskCleanupConfi
   cv::Mat1b cleaned = mask > 0;
   morph(cleaned, cv::MORPH_OPEN, config.open_px, cell_px);
   morph(cleaned, cv::MORPH_CLOSE, config.close_px, cell_px);
-  cv::Mat1i labels;
-  const int count = cv::connectedComponents(cleaned, labels, 8, CV_32S);
-  const auto regions = static_cast<std::size_t>(count);
-  std::vector<int> cells(regions, 0);
-  for (int y = 0; y < cleaned.rows; ++y) {
-    const int* row = labels[y];
-    for (int x = 0; x < cleaned.cols; ++x) ++cells[static_cast<std::size_t>(row[x])];
-  }
+  cv::Mat1i regions, stats;
+  cv::Mat1d centroids;
+  cv::connectedComponentsWithStats(cleaned, regions, stats, centroids, 8, CV_32S);
   const auto min_cells = static_cast<int>(static_cast<float>(config.min_area_px) / (cell_px * cell_px));
-  std::vector<uchar> keep(regions, 0);
-  for (std::size_t i = 1; i < regions; ++i) keep[i] = cells[i] >= min_cells ? 255 : 0;
   for (int y = 0; y < cleaned.rows; ++y) {
-    const int* row = labels[y];
-    uchar* out = cleaned[y];
-    for (int x = 0; x < cleaned.cols; ++x) out[x] = keep[static_cast<std::size_t>(row[x])];
+    for (int x = 0; x < cleaned.cols; ++x) {
+      if (stats(regions(y, x), cv::CC_STAT_AREA) < min_cells) cleaned(y, x) = 0;
+    }
   }
   return cleaned;
 }

@@ -154,7 +154,7 @@ GridFrame makeGridFrame(const RgbdFrame& frame, const WorkGrid& grid) {
   const cv::Mat1b kernel = cv::Mat1b::ones(3, 3);
   cv::dilate(out.depth_m, out.depth_high_m, kernel);
   cv::Mat1f no_holes = out.depth_m.clone();
-  changeCells(no_holes, [](float z) { return z > 0.0F ? z : kFarM; });
+  no_holes.setTo(kFarM, no_holes <= 0.0F);
   cv::erode(no_holes, out.depth_low_m, kernel);
   fillHoles(out, no_holes);
   return out;

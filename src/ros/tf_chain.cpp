@@ -55,16 +55,6 @@ std::vector<const Edge*> chainOf(const Edges& edges, const std::string& root, co
   return chain;
 }
 
-const SE3& closest(const Edge& edge, Stamp stamp) {
-  const auto& poses = edge.T_parent_child;
-  const auto after = std::lower_bound(poses.begin(), poses.end(), stamp,
-                                      [](const TimedPose& pose, Stamp value) { return pose.stamp < value; });
-  if (after == poses.begin()) return after->T_world_camera;
-  const auto before = std::prev(after);
-  const bool later_is_closer = after != poses.end() && after->stamp.ns - stamp.ns < stamp.ns - before->stamp.ns;
-  return later_is_closer ? after->T_world_camera : before->T_world_camera;
-}
-
 }  // namespace
 
 std::vector<TimedPose> readTfChain(const rosbag::Bag& bag, const std::string& root, const std::string& leaf) {
@@ -78,7 +68,9 @@ std::vector<TimedPose> readTfChain(const rosbag::Bag& bag, const std::string& ro
   for (const TimedPose& sample : most_frequent->T_parent_child) {
     if (!poses.empty() && poses.back().stamp == sample.stamp) continue;
     SE3 T_root_leaf = SE3::Identity();
-    for (const Edge* edge : chain) T_root_leaf = closest(*edge, sample.stamp) * T_root_leaf;
+    for (const Edge* edge : chain) {
+      T_root_leaf = closestPose(edge->T_parent_child, sample.stamp)->T_world_camera * T_root_leaf;
+    }
     poses.push_back({sample.stamp, T_root_leaf});
   }
   return poses;

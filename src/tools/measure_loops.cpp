@@ -6,7 +6,6 @@
 #include <time.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -20,6 +19,7 @@
 #include "semantic_vslam/core/eval/run_report.h"
 #include "semantic_vslam/core/eval/trajectory_error.h"
 #include "semantic_vslam/core/io/json_writer.h"
+#include "semantic_vslam/core/io/stamp_association.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"
 
 namespace {
@@ -51,18 +51,12 @@ double trajectoryError(const std::vector<TimedPose>& truth, const std::vector<Ti
   return absoluteTrajectoryError(truth, estimate).translation_m.rmse;
 }
 
-/// True pose of the frame with a stamp. @throws Error if there is none
-const SE3& truthAt(const std::vector<TimedPose>& truth, Stamp stamp) {
-  const auto at = std::min_element(truth.begin(), truth.end(), [&](const TimedPose& a, const TimedPose& b) {
-    return std::abs(secondsBetween(stamp, a.stamp)) < std::abs(secondsBetween(stamp, b.stamp));
-  });
-  if (at == truth.end()) throw Error("the recording has no ground truth");
-  return at->T_world_camera;
-}
-
-/// How far a loop's relative pose is from the truth.
-SE3 errorOf(const ClosedLoop& loop, const std::vector<TimedPose>& truth) {
-  const SE3 T_current_matched = truthAt(truth, loop.current).inverse() * truthAt(truth, loop.matched);
+/// How far a loop's relative pose is from the truth; nothing where the ground truth has a gap.
+std::optional<SE3> errorOf(const ClosedLoop& loop, const std::vector<TimedPose>& truth) {
+  const TimedPose* current = closestPose(truth, loop.current, kAssociationGapS);
+  const TimedPose* matched = closestPose(truth, loop.matched, kAssociationGapS);
+  if (current == nullptr || matched == nullptr) return std::nullopt;
+  const SE3 T_current_matched = current->T_world_camera.inverse() * matched->T_world_camera;
   return loop.T_current_matched * T_current_matched.inverse();
 }
 
@@ -104,15 +98,18 @@ Outcome runThrough(FrameSource& frames, SlamSystem& system, std::size_t most_fra
 }
 
 void writeLoops(JsonWriter& json, const std::vector<ClosedLoop>& loops, const std::vector<TimedPose>& truth) {
-  int wrong = 0;
+  int wrong = 0, without_truth = 0;
   double worst_m = 0.0;
   for (const ClosedLoop& loop : loops) {
-    const SE3 error = errorOf(loop, truth);
-    worst_m = std::max(worst_m, error.translation().norm());
-    wrong += error.translation().norm() > kFalseM || rotationAngle(error) > kFalseRad ? 1 : 0;
+    const std::optional<SE3> error = errorOf(loop, truth);
+    without_truth += error ? 0 : 1;
+    if (!error) continue;
+    worst_m = std::max(worst_m, error->translation().norm());
+    wrong += error->translation().norm() > kFalseM || rotationAngle(*error) > kFalseRad ? 1 : 0;
   }
   json.field("loops", loops.size());
   json.field("false_loops", wrong);
+  json.field("loops_without_truth", without_truth);
   json.field("worst_loop_error_m", worst_m);
 }
 

@@ -3,8 +3,6 @@
 //
 // Tells how well places are recognised by appearance alone: keyframes of a recording are looked up, each among those
 // that are older, and what comes out best is compared with what the true poses and depths say.
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -17,9 +15,11 @@
 #include "semantic_vslam/core/common/arguments.h"
 #include "semantic_vslam/core/common/rng.h"
 #include "semantic_vslam/core/eval/open_recording.h"
+#include "semantic_vslam/core/eval/stage_timing.h"
 #include "semantic_vslam/core/features/orb_extractor.h"
 #include "semantic_vslam/core/features/place_index.h"
 #include "semantic_vslam/core/io/json_writer.h"
+#include "semantic_vslam/core/io/stamp_association.h"
 #include "semantic_vslam/core/loop/loop_detector.h"
 
 namespace {
@@ -40,7 +40,6 @@ constexpr const char* kUsage =
 
 constexpr double kKeyframeM = 0.1, kKeyframeRad = 0.1;
 constexpr double kRevisit = 0.5, kRight = 0.2;
-constexpr double kLongestGapS = 0.02;  // between a frame and its true pose
 const std::vector<double> kLeastScores = {0.005, 0.01, LoopDetectorConfig().min_score, 0.05, 0.1};
 
 struct View {
@@ -50,25 +49,18 @@ struct View {
   FrameFeatures features;
 };
 
-std::optional<SE3> truePose(const std::vector<TimedPose>& truth, Stamp stamp) {
-  const auto nearest = std::min_element(truth.begin(), truth.end(), [&](const TimedPose& a, const TimedPose& b) {
-    return std::abs(secondsBetween(stamp, a.stamp)) < std::abs(secondsBetween(stamp, b.stamp));
-  });
-  if (nearest == truth.end() || std::abs(secondsBetween(stamp, nearest->stamp)) > kLongestGapS) return std::nullopt;
-  return nearest->T_world_camera;
-}
-
 std::vector<View> readKeyframes(FrameSource& recording) {
   const OrbExtractor orb{OrbConfig()};
   std::vector<View> views;
   while (const auto frame = recording.next()) {
-    const auto pose = truePose(recording.groundTruth(), frame->stamp);
-    if (!pose) continue;
+    const TimedPose* truth = closestPose(recording.groundTruth(), frame->stamp, kAssociationGapS);
+    if (truth == nullptr) continue;
+    const SE3& T_world_camera = truth->T_world_camera;
     if (!views.empty()) {
-      const SE3 moved = views.back().T_world_camera.inverse() * *pose;
+      const SE3 moved = views.back().T_world_camera.inverse() * T_world_camera;
       if (moved.translation().norm() < kKeyframeM && rotationAngle(moved) < kKeyframeRad) continue;
     }
-    views.push_back({frame->stamp, *pose, frame->depth_m, orb.extract(*frame, {})});
+    views.push_back({frame->stamp, T_world_camera, frame->depth_m, orb.extract(*frame, {})});
   }
   return views;
 }
@@ -101,12 +93,6 @@ struct Lookup {
   double overlap = 0.0;  ///< with the best match
   double score = 0.0;    ///< of the best match; 0 = there is none
 };
-
-double threadCpuMs() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
 
 /// One way of looking places up.
 class Finder {
@@ -212,8 +198,7 @@ double queryMs(const std::vector<View>& views, std::size_t full) {
     index.query(views[i].features, 10);
     ms.push_back(threadCpuMs() - begin);
   }
-  std::nth_element(ms.begin(), ms.begin() + static_cast<std::ptrdiff_t>(ms.size() / 2), ms.end());
-  return ms[ms.size() / 2];
+  return quantile(ms, 0.5);
 }
 
 void writeCurve(JsonWriter& json, const std::string& name, const std::vector<Lookup>& lookups) {

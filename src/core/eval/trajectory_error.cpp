@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstdlib>
 #include <optional>
 
 #include "semantic_vslam/core/common/error.h"
@@ -20,22 +19,12 @@ std::vector<Stamp> stampsOf(const std::vector<TimedPose>& poses) {
   return stamps;
 }
 
-/// @param poses  in order of time, not empty. @return index of the closest in time; the earlier of two equally close.
-std::size_t closestIndex(const std::vector<TimedPose>& poses, Stamp stamp) {
-  const auto after = std::lower_bound(poses.begin(), poses.end(), stamp,
-                                      [](const TimedPose& pose, Stamp value) { return pose.stamp < value; });
-  const auto index = static_cast<std::size_t>(after - poses.begin());
-  if (index == 0) return 0;
-  if (index == poses.size()) return index - 1;
-  return stamp.ns - poses[index - 1].stamp.ns <= poses[index].stamp.ns - stamp.ns ? index - 1 : index;
-}
-
-double medianIntervalNs(const std::vector<TimedPose>& poses) {
-  std::vector<double> intervals_ns;
+double medianIntervalS(const std::vector<TimedPose>& poses) {
+  std::vector<double> intervals_s;
   for (std::size_t i = 1; i < poses.size(); ++i) {
-    intervals_ns.push_back(static_cast<double>(poses[i].stamp.ns - poses[i - 1].stamp.ns));
+    intervals_s.push_back(secondsBetween(poses[i - 1].stamp, poses[i].stamp));
   }
-  return intervals_ns.empty() ? 0.0 : quantile(intervals_ns, 0.5);
+  return intervals_s.empty() ? 0.0 : quantile(intervals_s, 0.5);
 }
 
 constexpr double kDegPerRad = 180.0 / M_PI;
@@ -104,20 +93,13 @@ AbsoluteTrajectoryError absoluteTrajectoryError(const std::vector<TimedPose>& tr
 RelativePoseError relativePoseError(const std::vector<TimedPose>& truth, const std::vector<TimedPose>& estimate,
                                     double delta_s) {
   const std::int64_t delta_ns = Stamp::fromSeconds(delta_s).ns;
-  const double max_gap_ns = 2.0 * medianIntervalNs(truth);
-  const auto truthAt = [&](Stamp stamp) -> const TimedPose* {
-    if (truth.empty()) return nullptr;
-    const TimedPose& closest = truth[closestIndex(truth, stamp)];
-    return static_cast<double>(std::abs(closest.stamp.ns - stamp.ns)) <= max_gap_ns ? &closest : nullptr;
-  };
-
+  const double max_gap_s = 2.0 * medianIntervalS(truth);
   std::vector<double> translations_m, rotations_deg;
   for (const TimedPose& begin : estimate) {
-    const std::size_t end_index = closestIndex(estimate, Stamp{begin.stamp.ns + delta_ns});
-    if (end_index + 1 == estimate.size()) continue;
-    const TimedPose& end = estimate[end_index];
-    const TimedPose* true_begin = truthAt(begin.stamp);
-    const TimedPose* true_end = truthAt(end.stamp);
+    const TimedPose& end = *closestPose(estimate, Stamp{begin.stamp.ns + delta_ns});
+    if (&end == &estimate.back()) continue;
+    const TimedPose* true_begin = closestPose(truth, begin.stamp, max_gap_s);
+    const TimedPose* true_end = closestPose(truth, end.stamp, max_gap_s);
     if (true_begin == nullptr || true_end == nullptr) continue;
     const SE3 moved = begin.T_world_camera.inverse() * end.T_world_camera;
     const SE3 truly_moved = true_begin->T_world_camera.inverse() * true_end->T_world_camera;

@@ -138,6 +138,22 @@ TEST(TumTrajectory, WriteThatFailsHalfwayKeepsTheOldFileAndLeavesNoPart) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(ClosestPose, IsTheNearestInTimeAndTheEarlierOfTwo) {
+  const std::vector<TimedPose> poses = {{Stamp{10}}, {Stamp{20}}, {Stamp{40}}};
+  EXPECT_EQ(closestPose(poses, Stamp{0}), &poses[0]);
+  EXPECT_EQ(closestPose(poses, Stamp{15}), &poses[0]);
+  EXPECT_EQ(closestPose(poses, Stamp{16}), &poses[1]);
+  EXPECT_EQ(closestPose(poses, Stamp{40}), &poses[2]);
+  EXPECT_EQ(closestPose(poses, Stamp{90}), &poses[2]);
+}
+
+TEST(ClosestPose, IsNoneBeyondTheGap) {
+  const std::vector<TimedPose> poses = {{Stamp{0}}, {Stamp{1'000'000'000}}};
+  EXPECT_EQ(closestPose(poses, Stamp{1'250'000'000}, 0.25), &poses[1]);
+  EXPECT_EQ(closestPose(poses, Stamp{1'250'000'001}, 0.25), nullptr);
+  EXPECT_EQ(closestPose({}, Stamp{0}), nullptr);
+}
+
 TEST(AssociateStamps, TakesTheClosestPairFirstAndEachStampOnce) {
   // a[0] is 6 from b[0]; a[1] is 4 from it and wins; a[0] has no other within the gap.
   const auto pairs = associateStamps(stampsMs({100, 110, 200}), stampsMs({106, 219}), 0.02);

@@ -22,6 +22,9 @@ struct StageTime {
   double cpu_ms = 0.0;  ///< of the thread that ran the stage
 };
 
+/// @return CPU time of the calling thread so far
+double threadCpuMs();
+
 struct TimeQuantiles {
   double median_ms = 0.0;
   double p95_ms = 0.0;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,11 @@ struct TimedPose {
   Stamp stamp;
   SE3 T_world_camera = SE3::Identity();
 };
+
+/// @param poses  in order of time
+/// @return the pose that is closest in time, the earlier of two equally close; nullptr if none is within max_gap_s
+const TimedPose* closestPose(const std::vector<TimedPose>& poses, Stamp stamp,
+                             double max_gap_s = std::numeric_limits<double>::infinity());
 
 /// Reads decimal seconds (`1305031102.175304`) digit by digit, so that no nanosecond is lost to floating point; digits
 /// past the ninth decimal are dropped. Scientific notation is accepted too. @return nothing if it is no number.

@@ -191,6 +191,7 @@ std::optional<RgbdFrame> BagSource::next() {
       broken_.countUnreadable("bag '" + path_ + "', frame " + std::to_string(next_ - 1) + ": " + error.what());
     }
   }
+  broken_.countEnd();
   return std::nullopt;
 }
 

@@ -3,7 +3,6 @@
 //
 // Runs a semantic network over a folder of images: to see what it knows, or to make labels to train another one on.
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -12,6 +11,7 @@
 
 #include "semantic_vslam/core/common/arguments.h"
 #include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/common/progress.h"
 #include "semantic_vslam/core/io/image_file.h"
 #include "semantic_vslam/core/segmentation/label_picture.h"
 #include "semantic_vslam/core/segmentation/onnx_segmenter.h"
@@ -52,6 +52,7 @@ int run(const Arguments& arguments) {
   for (const char* folder : {"images", "labels", "overlays"}) fs::create_directories(out / folder);
 
   const auto segmenter = makeOnnxSegmenter(config);
+  Progress progress(images.size(), "images");
   for (std::size_t i = 0; i < images.size(); ++i) {
     const cv::Mat3b bgr = readImageFile(images[i].string(), cv::IMREAD_COLOR);
     cv::Mat1b labels = segmenter->segment(bgr);
@@ -60,10 +61,8 @@ int run(const Arguments& arguments) {
     labels.setTo(static_cast<double>(unknown), labels == 0);
     writeImageFile((out / "labels" / (stem + ".png")).string(), labels);
     fs::copy_file(images[i], out / "images" / images[i].filename(), fs::copy_options::overwrite_existing);
-    std::printf("\r%zu/%zu", i + 1, images.size());
-    std::fflush(stdout);
+    progress.show(i + 1);
   }
-  std::printf("\n");
   return 0;
 }
 

@@ -18,6 +18,7 @@
 
 #include "semantic_vslam/core/common/arguments.h"
 #include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/common/progress.h"
 #include "semantic_vslam/core/eval/scenario_source.h"
 #include "semantic_vslam/core/io/tum_writer.h"
 #include "semantic_vslam/ros/recording_bag.h"
@@ -152,20 +153,13 @@ class OrderedProduction {
   std::vector<std::thread> workers_;    // started last
 };
 
-void showProgress(int done, int count) {
-  constexpr int kWidth = 40;
-  if (done != count && done % 10 != 0) return;
-  const int filled = done * kWidth / count;
-  std::fprintf(stderr, "\r[%s%s] %d/%d frames%s", std::string(filled, '#').c_str(),
-               std::string(kWidth - filled, '.').c_str(), done, count, done == count ? "\n" : "");
-}
-
 void produce(int count, int threads, const OrderedProduction::Make& make, Sink& sink) {
   OrderedProduction production(count, threads, make);
+  Progress progress(static_cast<std::size_t>(count), "frames");
   for (int i = 0; i < count; ++i) {
     sink.write(production.take());
     if (interrupted) throw Error("interrupted: nothing is left of the unfinished recording");
-    showProgress(i + 1, count);
+    progress.show(static_cast<std::size_t>(i) + 1);
   }
   sink.finish();
 }

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Runs the whole system over a TUM folder back and forth several times and tells how the sparse map grows.
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -15,6 +13,7 @@
 #include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/eval/open_recording.h"
 #include "semantic_vslam/core/eval/run_report.h"
+#include "semantic_vslam/core/io/atomic_file.h"
 #include "semantic_vslam/core/io/json_writer.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"
 
@@ -44,12 +43,10 @@ SystemConfig readConfig(const Arguments& arguments) {
 }
 
 double savedBytes(const SparseSlam& slam) {
-  const std::string path = (std::filesystem::temp_directory_path() / "measure_growth_").string() +
-                           std::to_string(static_cast<long>(getpid()));
-  slam.saveMap(path);
-  const auto bytes = static_cast<double>(std::filesystem::file_size(path));
-  std::filesystem::remove(path);
-  return bytes;
+  const AtomicFile scratch(
+      (std::filesystem::temp_directory_path() / "measure_growth.map").string());  // never committed
+  slam.saveMap(scratch.temporary());
+  return static_cast<double>(std::filesystem::file_size(scratch.temporary()));
 }
 
 /// Steps through one pass. @param first  index and stamp go on from pass to pass, one frame apart

@@ -15,9 +15,11 @@
 #include "semantic_vslam/core/common/arguments.h"
 #include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/common/progress.h"
 #include "semantic_vslam/core/eval/open_recording.h"
 #include "semantic_vslam/core/eval/run_report.h"
 #include "semantic_vslam/core/eval/trajectory_error.h"
+#include "semantic_vslam/core/io/atomic_file.h"
 #include "semantic_vslam/core/io/json_writer.h"
 #include "semantic_vslam/core/io/stamp_association.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"
@@ -75,7 +77,9 @@ double cpuSeconds() {
 Outcome runThrough(FrameSource& frames, SlamSystem& system, std::size_t most_frames, bool verbose) {
   Outcome outcome;
   const auto& truth = frames.groundTruth();
+  if (truth.empty()) throw Error("the recording has no ground truth to judge loops by");
   std::vector<TimedPose> before;
+  Progress progress(std::min(most_frames, frames.size()), "frames");
   while (outcome.frames < most_frames) {
     const auto frame = frames.next();
     if (!frame) break;
@@ -83,7 +87,10 @@ Outcome runThrough(FrameSource& frames, SlamSystem& system, std::size_t most_fra
     const StepResult step = system.step(*frame);
     ++outcome.frames;
     if (!outcome.ate_before_m && system.slam().loopCount() > 0) outcome.ate_before_m = trajectoryError(truth, before);
-    if (verbose) {
+    if (!verbose) {
+      progress.show(outcome.frames, std::to_string(system.slam().keyframeCount()) + " keyframes, " +
+                                        std::to_string(system.slam().loopCount()) + " loops");
+    } else {
       std::fprintf(stderr, "%llu %s %d inliers of %d matches, %d features, %zu keyframes, %zu loops\n",
                    static_cast<unsigned long long>(frame->index), stateName(step.tracking.state), step.tracking.inliers,
                    step.tracking.matches, step.tracking.features, system.slam().keyframeCount(),
@@ -116,6 +123,9 @@ void writeLoops(JsonWriter& json, const std::vector<ClosedLoop>& loops, const st
 int run(const Arguments& arguments, const SystemConfig& config) {
   const auto recording = openRecording(arguments, 30.0);
   const std::size_t most_frames = arguments.count("--frames", recording->size(), 1);
+  for (const char* output : {"--map", "--trajectory"}) {
+    if (const auto path = arguments.value(output)) requireWritable(*path);
+  }
   SlamSystem system(config, SlamSystem::Mode::kSynchronous);
   const Outcome outcome = runThrough(*recording, system, most_frames, arguments.has("--verbose"));
   if (const auto map = arguments.value("--map")) system.slam().saveMap(*map);

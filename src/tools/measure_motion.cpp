@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <deque>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
@@ -14,9 +13,11 @@
 #include "semantic_vslam/core/common/arguments.h"
 #include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/common/progress.h"
 #include "semantic_vslam/core/eval/mask_score.h"
 #include "semantic_vslam/core/eval/open_recording.h"
 #include "semantic_vslam/core/eval/stage_timing.h"
+#include "semantic_vslam/core/io/image_file.h"
 #include "semantic_vslam/core/motion/flow_colour.h"
 #include "semantic_vslam/core/motion/motion_detector.h"
 
@@ -117,7 +118,7 @@ void writePictures(const std::string& folder, const RgbdFrame& frame, const Moti
   cv::resize(panel, panel, {}, 0.5, 0.5, cv::INTER_AREA);
   char name[32];
   std::snprintf(name, sizeof(name), "/%06d.png", static_cast<int>(frame.index));
-  cv::imwrite(folder + name, panel);
+  writeImageFile(folder + name, panel);
 }
 
 LabelSet personLabels() {
@@ -146,8 +147,10 @@ int run(const Arguments& arguments) {
   std::vector<double> shares;
   std::size_t by_model[3] = {0, 0, 0};
   Stamp previous;
+  Progress progress(std::min(most_frames, sequence.size()), "frames");
   while (auto frame = sequence.next()) {
     if (frame->index >= most_frames) break;
+    progress.show(frame->index + 1);
     const cv::Mat1b truth = sequence.groundTruthMask();
     MotionResult result;
     {
@@ -170,6 +173,8 @@ int run(const Arguments& arguments) {
       writePictures(options.pictures, *frame, result, truth);
     }
   }
+  progress.end();
+  if (shares.empty()) throw FileError("none of the first " + std::to_string(most_frames) + " frames can be read");
   const StageSummary cpu = times.summarize().at(0);
   double mean_share = 0.0;
   for (const double share : shares) mean_share += share / static_cast<double>(shares.size());

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "semantic_vslam/core/common/arguments.h"
+#include "semantic_vslam/core/common/progress.h"
 #include "semantic_vslam/core/common/rng.h"
 #include "semantic_vslam/core/eval/open_recording.h"
 #include "semantic_vslam/core/eval/stage_timing.h"
@@ -52,7 +53,9 @@ struct View {
 std::vector<View> readKeyframes(FrameSource& recording) {
   const OrbExtractor orb{OrbConfig()};
   std::vector<View> views;
+  Progress progress(recording.size(), "frames");
   while (const auto frame = recording.next()) {
+    progress.show(frame->index + 1, std::to_string(views.size()) + " keyframes");
     const TimedPose* truth = closestPose(recording.groundTruth(), frame->stamp, kAssociationGapS);
     if (truth == nullptr) continue;
     const SE3& T_world_camera = truth->T_world_camera;
@@ -154,7 +157,9 @@ class BruteForceFinder : public Finder {
 std::vector<Lookup> lookUpAll(const CameraModel& camera, const std::vector<View>& views, double gap_s, Finder& finder) {
   std::vector<Lookup> lookups;
   std::size_t added = 0;
+  Progress progress(views.size(), "keyframes looked up");
   for (const View& view : views) {
+    progress.show(lookups.size());
     for (; secondsBetween(views[added].stamp, view.stamp) >= gap_s; ++added) finder.add(added, views[added].features);
     Lookup lookup;
     for (std::size_t i = 0; i < added && !lookup.revisit; ++i) {

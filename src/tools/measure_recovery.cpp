@@ -17,6 +17,7 @@
 #include "semantic_vslam/core/eval/fault_injection.h"
 #include "semantic_vslam/core/eval/open_recording.h"
 #include "semantic_vslam/core/eval/trajectory_error.h"
+#include "semantic_vslam/core/io/atomic_file.h"
 #include "semantic_vslam/core/io/json_writer.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"
 
@@ -30,7 +31,7 @@ constexpr const char* kUsage =
     "usage: measure_recovery SEQUENCE_DIR --camera FILE [options]\n"
     "Plays a TUM folder with cuts of 1 to 3 s (black images or missing frames), with the lens covered from the middle "
     "on,\n"
-    "and in its own saved map; prints what became of it and, as the last line, one JSON object.\n"
+    "and in its own saved map; tells on stderr what became of it and prints one JSON object.\n"
     "  --runs N             runs with cuts, five cuts each, run i drawn by seed i (10)\n"
     "  --starts N           starts in the saved map, spread over the first half of the recording (5)\n"
     "  --background         map upkeep on its worker, frames as fast as they come (not deterministic)\n"
@@ -76,14 +77,13 @@ void playCuts(const Setup& setup, std::uint64_t seed, CutsResult& result) {
     ++result.cuts;
     result.recovered += recovered ? 1 : 0;
     result.wrong += wrong ? 1 : 0;
-    std::printf("run %2llu  %-7s  frames %3llu to %3llu  back after %3d frames  worst error %.3f m%s%s\n",
-                static_cast<unsigned long long>(seed), cutName(recovery.cut.kind),
-                static_cast<unsigned long long>(recovery.cut.begin), static_cast<unsigned long long>(recovery.cut.end),
-                recovery.frames_needed, recovery.worst_error_m, recovered ? "" : "  LATE", wrong ? "  WRONG" : "");
+    std::fprintf(stderr, "run %2llu  %-7s  frames %3llu to %3llu  back after %3d frames  worst error %.3f m%s%s\n",
+                 static_cast<unsigned long long>(seed), cutName(recovery.cut.kind),
+                 static_cast<unsigned long long>(recovery.cut.begin), static_cast<unsigned long long>(recovery.cut.end),
+                 recovery.frames_needed, recovery.worst_error_m, recovered ? "" : "  LATE", wrong ? "  WRONG" : "");
   }
   result.ate_m.push_back(absoluteTrajectoryError(source.groundTruth(), system.slam().trajectory()).translation_m.rmse);
-  std::printf("run %2llu  ATE %.4f m\n", static_cast<unsigned long long>(seed), result.ate_m.back());
-  std::fflush(stdout);
+  std::fprintf(stderr, "run %2llu  ATE %.4f m\n", static_cast<unsigned long long>(seed), result.ate_m.back());
 }
 
 /// The lens is covered at the middle and stays so. @return whether LOST is told at the end and the map is what it was
@@ -100,8 +100,8 @@ bool coverForGood(const Setup& setup) {
     keyframes = system.slam().keyframeCount();
     landmarks = system.slam().landmarkCount();
   }
-  std::printf("covered for good: state %s, keyframes %zu -> %zu, landmarks %zu -> %zu\n", stateName(state), keyframes,
-              system.slam().keyframeCount(), landmarks, system.slam().landmarkCount());
+  std::fprintf(stderr, "covered for good: state %s, keyframes %zu -> %zu, landmarks %zu -> %zu\n", stateName(state),
+               keyframes, system.slam().keyframeCount(), landmarks, system.slam().landmarkCount());
   const bool kept = system.slam().keyframeCount() == keyframes && system.slam().landmarkCount() == landmarks;
   return state == TrackingState::kLost && kept;
 }
@@ -134,19 +134,18 @@ void localiseFrom(const Setup& setup, const std::string& map_file, std::size_t f
     if (needed < 0) needed = given;
     online.push_back({frame->stamp, step.tracking.T_camera_world.inverse()});
   }
-  const std::string after = map_file + ".after";
-  slam.saveMap(after);
-  result.unchanged = result.unchanged && bytesOf(map_file) == bytesOf(after);
-  fs::remove(after);
+  const AtomicFile after(map_file + ".after");
+  slam.saveMap(after.temporary());
+  result.unchanged = result.unchanged && bytesOf(map_file) == bytesOf(after.temporary());
   result.frames_needed.push_back(needed);
   result.ate_m.push_back(absoluteTrajectoryError(recording.groundTruth(), online).translation_m.rmse);
-  std::printf("saved map from frame %3zu: posed after %d frames, %zu of %d posed, ATE %.4f m\n", first, needed,
-              online.size(), given, result.ate_m.back());
-  std::fflush(stdout);
+  std::fprintf(stderr, "saved map from frame %3zu: posed after %d frames, %zu of %d posed, ATE %.4f m\n", first, needed,
+               online.size(), given, result.ate_m.back());
 }
 
 SavedMapResult localiseInSavedMap(const Setup& setup, std::size_t starts) {
-  const std::string map_file = (fs::temp_directory_path() / "measure_recovery.map").string();
+  const AtomicFile scratch((fs::temp_directory_path() / "measure_recovery.map").string());  // never committed
+  const std::string& map_file = scratch.temporary();
   std::size_t frames = 0;
   {
     TumSequence recording = openTumFolder(setup.arguments);
@@ -165,7 +164,6 @@ SavedMapResult localiseInSavedMap(const Setup& setup, std::size_t starts) {
     result.start_s = secondsSince(begin);
   }
   for (std::size_t i = 0; i < starts; ++i) localiseFrom(setup, map_file, (i + 1) * frames / (2 * starts), result);
-  fs::remove(map_file);
   return result;
 }
 

@@ -12,6 +12,7 @@
 #include "semantic_vslam/core/common/arguments.h"
 #include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/common/progress.h"
 #include "semantic_vslam/core/eval/mask_score.h"
 #include "semantic_vslam/core/eval/open_recording.h"
 #include "semantic_vslam/core/eval/stage_timing.h"
@@ -161,6 +162,7 @@ int run(const Arguments& arguments) {
   MaskScore people_before, people_after;
   PointErrors points_before, points_after;
   StageTimes times;
+  Progress progress(sequence.size(), "frames");
   while (auto frame = sequence.next()) {
     const cv::Mat1b truth = trueLabels(folder, sequence.pairs()[frame->index].rgb_file);
     cv::Mat1b labels, refined;
@@ -180,9 +182,10 @@ int run(const Arguments& arguments) {
       const std::string name = fs::path(sequence.pairs()[frame->index].rgb_file).stem().string() + ".jpg";
       writePicture(options.pictures + "/" + name, *frame, labels, refined, truth, set);
     }
+    progress.show(frame->index + 1);
     sequence.skip(options.every - 1);
   }
-  if (people_before.frames() == 0) throw FileError("'" + folder + "' holds no readable frame");
+  progress.end();
   std::printf("%zu frames\n", people_before.frames());
   print("before", people_before, points_before);
   print("refined", people_after, points_after);

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Runs the whole system over a recording, without a ROS master.
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -19,8 +17,9 @@
 #include "semantic_vslam/core/common/bounded_queue.h"
 #include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/common/log.h"
+#include "semantic_vslam/core/common/progress.h"
 #include "semantic_vslam/core/eval/open_recording.h"
+#include "semantic_vslam/core/io/atomic_file.h"
 #include "semantic_vslam/core/io/image_file.h"
 #include "semantic_vslam/core/io/read_ahead.h"
 #include "semantic_vslam/core/pipeline/run_recorder.h"
@@ -97,30 +96,6 @@ std::unique_ptr<FrameSource> openFolderOrBag(const Arguments& arguments) {
   return std::make_unique<BagSource>(path, camera, topics);
 }
 
-/// One line on the terminal that shows where the run is; a line now and then where output goes to a file.
-class Progress {
- public:
-  explicit Progress(std::size_t total) : total_(total), terminal_(isatty(STDERR_FILENO) != 0) {}
-
-  void show(std::size_t done, const char* state, std::size_t keyframes) {
-    const double elapsed_s = std::chrono::duration<double>(Clock::now() - begin_).count();
-    const bool due = terminal_ ? elapsed_s - last_s_ > 0.2 : elapsed_s - last_s_ > 10.0;
-    if (!due && done != total_) return;
-    last_s_ = elapsed_s;
-    std::fprintf(stderr, "%s%zu/%zu frames, %.1f fps, %zu keyframes, %s     %s", terminal_ ? "\r" : "", done, total_,
-                 static_cast<double>(done) / elapsed_s, keyframes, state, terminal_ ? "" : "\n");
-  }
-  void end() const {
-    if (terminal_) std::fputc('\n', stderr);
-  }
-
- private:
-  const std::size_t total_;
-  const bool terminal_;
-  const Clock::time_point begin_ = Clock::now();
-  double last_s_ = 0.0;
-};
-
 /// The time at which a camera would have sent each frame.
 class Pacer {
  public:
@@ -151,14 +126,15 @@ void writeMask(const std::string& folder, Stamp stamp, const cv::Mat1b& dynamic,
 class Output {
  public:
   Output(const Options& options, const SlamSystem& system, std::size_t frames)
-      : options_(options), system_(system), recorder_(options.recording), progress_(frames) {}
+      : options_(options), system_(system), recorder_(options.recording), progress_(frames, "frames") {}
 
   void add(const RgbdFrame& frame, const StepResult& step, const cv::Mat1b& truth) {
     recorder_.add(frame, step, truth);
     if (options_.masks) writeMask(options_.out + "/masks", frame.stamp, step.dynamic, frame.bgr.size());
-    progress_.show(recorder_.report().frames, stateName(step.tracking.state), system_.slam().keyframeCount());
+    progress_.show(recorder_.report().frames,
+                   std::to_string(system_.slam().keyframeCount()) + " keyframes, " + stateName(step.tracking.state));
   }
-  void end() const { progress_.end(); }
+  void end() { progress_.end(); }
   RunRecorder& recorder() { return recorder_; }
   RunReport& report() { return recorder_.report(); }
 
@@ -230,6 +206,7 @@ int run(const Arguments& arguments, const SystemConfig& config) {
   std::error_code failed;
   fs::create_directories(options.masks ? options.out + "/masks" : options.out, failed);
   if (failed) throw FileError("output folder '" + options.out + "' cannot be made: " + failed.message());
+  requireWritable(options.out + "/summary.json");
   if (options.realtime) source = std::make_unique<ReadAhead>(std::move(source), kReadAhead);
 
   SlamSystem system(config, options.realtime ? SlamSystem::Mode::kBackground : SlamSystem::Mode::kSynchronous);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Converts a folder in the format of the TUM RGB-D benchmark to a bag like the benchmark's own.
+#include <algorithm>
 #include <cstdio>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
@@ -9,6 +10,7 @@
 #include "semantic_vslam/core/common/arguments.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
+#include "semantic_vslam/core/common/progress.h"
 #include "semantic_vslam/core/io/image_file.h"
 #include "semantic_vslam/core/io/tum_sequence.h"
 #include "semantic_vslam/ros/recording_bag.h"
@@ -77,6 +79,7 @@ void convert(TumSequence& sequence, const std::string& path, const Options& opti
   sequence.skip(options.start);
   std::size_t written = 0, masks = 0;
   Stamp last;
+  Progress progress(std::min(options.frames, sequence.size()), "frames");
   while (written < options.frames) {
     const std::optional<RgbdFrame> frame = sequence.next();
     if (!frame) break;
@@ -90,12 +93,13 @@ void convert(TumSequence& sequence, const std::string& path, const Options& opti
       ++masks;
     }
     last = frame->stamp;
-    if (++written % 50 == 0) std::fprintf(stderr, "\r%zu frames", written);
+    progress.show(++written);
   }
+  progress.end();
   if (written == 0) throw FileError("nothing to write: no frame from " + std::to_string(options.start) + " on");
   poses.writeUpTo(Stamp{last.ns + kPoseMarginNs});
   bag.close();
-  std::fprintf(stderr, "\r%zu frames, %zu masks, %zu left out\n", written, masks, sequence.skippedBroken());
+  std::fprintf(stderr, "%zu frames, %zu masks, %zu left out\n", written, masks, sequence.skippedBroken());
   if (options.mask && masks == 0) logWarning("the sequence has no mask/ beside its images");
 }
 

@@ -6,6 +6,7 @@ import filecmp
 import json
 import math
 import os
+import pty
 import shutil
 import signal
 import subprocess
@@ -155,6 +156,55 @@ class ToolsTest(unittest.TestCase):
         result = json.loads(done.stdout)
         self.assertEqual((result["recording"], result["frames"]), (self.sequence, FRAMES))
         self.assertLess(result["ate_m"], 0.01)
+
+    def broken_copy(self):
+        """The sequence's first frames, each image cut off in the middle."""
+        folder = self.out("broken")
+        if not os.path.isdir(folder):
+            os.makedirs(os.path.join(folder, "rgb"))
+            os.makedirs(os.path.join(folder, "depth"))
+            for name in ("rgb", "depth"):
+                with open(f"{self.sequence}/{name}.txt") as whole, open(f"{folder}/{name}.txt", "w") as part:
+                    for line in list(whole)[:5]:
+                        part.write(line)
+                        with open(os.path.join(folder, line.split()[1]), "wb") as image:
+                            image.write(b"\x89PNG")
+            shutil.copy(f"{self.sequence}/groundtruth.txt", folder)
+        return folder
+
+    def test_a_recording_of_broken_images_alone_is_one_error(self):
+        folder = self.broken_copy()
+        for name, *options in (("run_offline", "--out", self.out("none")), ("measure_motion",), ("measure_growth",),
+                               ("measure_loops",), ("measure_segmentation", "--dilate", 3), ("measure_places",)):
+            with self.subTest(name):
+                self.assert_one_error(run(name, folder, "--camera", self.camera, *options), "none of its frames can be read")
+
+    def test_outputs_that_cannot_be_written_fail_before_the_run(self):
+        self.assert_one_error(run("run_offline", self.sequence, "--camera", self.camera, "--out", "/proc"), "/proc/summary.json")
+        for option in ("--map", "--trajectory"):
+            for path in ("/nonexistent/file", self.folder):
+                done = run("measure_loops", self.sequence, "--camera", self.camera, "--verbose", option, path)
+                self.assert_one_error(done, path)
+        done = run("measure_motion", self.sequence, "--camera", self.camera, "--pictures", "/proc", "--every", 1)
+        self.assert_one_error(done, "/proc/000000.png")
+
+    def test_no_frames_are_none_to_run(self):
+        for name, *options in (("run_offline", "--out", self.out("none")), ("measure_motion",), ("measure_growth",),
+                               ("measure_loops",)):
+            with self.subTest(name):
+                self.assert_one_error(run(name, self.sequence, "--camera", self.camera, "--frames", 0, *options), "--frames")
+
+    def test_progress_is_one_line_on_a_terminal_and_none_of_a_short_run_in_a_file(self):
+        command = [program("tum_to_bag"), self.sequence, self.out("progress.bag"), "--camera", self.camera]
+        terminal, other_end = pty.openpty()
+        subprocess.run(command, stdout=subprocess.DEVNULL, stderr=other_end, check=True, timeout=60)
+        os.close(other_end)
+        shown = os.read(terminal, 65536).decode()
+        os.close(terminal)
+        self.assertIn(f"\r{FRAMES}/{FRAMES} frames", shown)
+        self.assertEqual(shown.count("\n"), 2, shown)  # that line, and what was written
+        in_file = run("tum_to_bag", *command[1:]).stderr
+        self.assertEqual(in_file.splitlines(), [f"{FRAMES} frames, 0 masks, 0 left out"])
 
     def test_nothing_is_rendered_unasked(self):
         for name in ("measure_loops", "measure_places"):

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <utility>
 
 #include "semantic_vslam/core/common/error.h"
@@ -55,6 +56,12 @@ void writeFileAtomically(const std::string& path, const std::function<void(const
 
 void writeTextAtomically(const std::string& path, const std::string& content) {
   writeFileAtomically(path, [&](const std::string& temporary) { writeText(temporary, path, content); });
+}
+
+void requireWritable(const std::string& path) {
+  if (std::filesystem::is_directory(path)) throwCannotWrite(path, EISDIR);
+  const AtomicFile trial(path);  // never committed, so that nothing is left of it
+  writeText(trial.temporary(), path, "");
 }
 
 }  // namespace semantic_vslam

@@ -19,6 +19,7 @@ void BrokenFrames::countGood() {
 
 void BrokenFrames::countUnreadable(const std::string& reason) {
   ++broken_;
+  last_reason_ = reason;
   if (++in_a_row_ == kMaxInARow) {
     throw FileError("'" + recording_ + "': " + std::to_string(kMaxInARow) +
                     " frames in a row cannot be read; the last: " + reason);
@@ -29,6 +30,11 @@ void BrokenFrames::countUnreadable(const std::string& reason) {
 void BrokenFrames::countMisfit(const std::string& reason) {
   if (good_ == 0) throw FileError(reason);
   countUnreadable(reason);
+}
+
+void BrokenFrames::countEnd() const {
+  if (good_ > 0 || broken_ == 0) return;
+  throw FileError("'" + recording_ + "': none of its frames can be read; the last: " + last_reason_);
 }
 
 }  // namespace semantic_vslam

@@ -114,6 +114,7 @@ std::optional<RgbdFrame> TumSequence::next() {
       broken_.countMisfit(error.what());
     }
   }
+  broken_.countEnd();
   return std::nullopt;
 }
 

@@ -34,4 +34,7 @@ void writeFileAtomically(const std::string& path, const std::function<void(const
 /// Writes content as the whole of a file. @throws FileError naming path and cause (no such folder, disk full, ...).
 void writeTextAtomically(const std::string& path, const std::string& content);
 
+/// For the start of a long run that writes a file at its end. @throws FileError if that would fail
+void requireWritable(const std::string& path);
+
 }  // namespace semantic_vslam

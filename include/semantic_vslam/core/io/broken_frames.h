@@ -21,10 +21,13 @@ class BrokenFrames {
   /// was good before.
   void countMisfit(const std::string& reason);
 
+  /// For the end of the recording. @throws FileError if frames were broken and none was good
+  void countEnd() const;
+
   std::size_t count() const { return broken_; }
 
  private:
-  std::string recording_;
+  std::string recording_, last_reason_;
   std::size_t good_ = 0, broken_ = 0, in_a_row_ = 0;
 };
 

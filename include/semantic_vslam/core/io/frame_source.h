@@ -20,7 +20,7 @@ class FrameSource {
   virtual ~FrameSource() = default;
 
   /// @return the next frame in order of time; its index is its position in the recording. Nothing at the end.
-  /// @throws FileError if the first frame does not fit the camera, or too many in a row cannot be read.
+  /// @throws FileError if the first frame does not fit the camera, or too many in a row, or all, cannot be read.
   virtual std::optional<RgbdFrame> next() = 0;
   /// Passes over frames without decoding them.
   virtual void skip(std::size_t count) = 0;

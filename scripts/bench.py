@@ -7,9 +7,7 @@ Leaves the table in out/bench/bench.txt, the numbers in out/bench/bench.json, an
 that is asked for by its option (see --help) likewise in files of its name.
 """
 import argparse
-import csv
 import json
-import math
 import os
 import statistics
 import subprocess
@@ -17,14 +15,14 @@ import sys
 
 import bench_map
 import bench_motion
-import bench_recovery
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 PROGRAMS = os.path.join(ROOT, "build", "release", "devel", "lib", "semantic_vslam")
 DATA = os.path.join(os.environ.get("SEMANTIC_VSLAM_SHARED", os.path.join(ROOT, "..", "shared")), "data")
 DEFAULT_SEQUENCES = ("tum_fr1_xyz", "walk_xyz")
-# Stands in for a network of ours; models/README.md tells where it comes from.
+# models/README.md tells where it comes from.
 PUBLIC_NETWORK = os.path.join(DATA, "models", "deeplabv3_mnv2_pascal_quant.onnx")
+PACKAGE_NETWORK = "bisenetv2_indoor.onnx"
 
 
 class BenchError(Exception):
@@ -39,39 +37,21 @@ def run(command):
     return done.stdout
 
 
-def stage_times(path):
-    """CPU ms per stage of one timing.csv: {stage: (median, 95th percentile)}, stages in order of appearance."""
-    samples = {}
-    with open(path) as file:
-        for row in csv.DictReader(file):
-            samples.setdefault(row["stage"], []).append(float(row["cpu_ms"]))
-    return {stage: (statistics.median(ms), sorted(ms)[math.ceil(0.95 * len(ms)) - 1]) for stage, ms in samples.items()}
-
-
-def default_network():
-    """The one that run_offline takes by itself, else the public one if it is there, else ""."""
-    for line in run([os.path.join(PROGRAMS, "run_offline"), "--list-config"]).splitlines():
-        key, value = line.split()[:2]
-        if key == "segmentation.model" and value != '""':
-            return value
-    return PUBLIC_NETWORK if os.path.isfile(PUBLIC_NETWORK) else ""
-
-
 def run_once(sequence, camera, out_dir, options=()):
     run([os.path.join(PROGRAMS, "run_offline"), sequence, "--camera", camera, "--out", out_dir, *options])
-    trajectory = os.path.join(out_dir, "trajectory.txt")
-    errors = json.loads(run([os.path.join(PROGRAMS, "evaluate_trajectory"), os.path.join(sequence, "groundtruth.txt"),
-                             trajectory, "--json"]))
     with open(os.path.join(out_dir, "summary.json")) as file:
         summary = json.load(file)
+    if summary["ate_m"] is None or summary["rpe_1s_translation_m"] is None:
+        raise BenchError(f"run_offline on {sequence}: too few frames with a pose to tell the trajectory's error")
     return {"frames": summary["frames"], "posed": summary["posed"], "keyframes": summary["keyframes"],
-            "landmarks": summary["landmarks"], "ate_rmse_m": errors["ate_m"]["rmse"],
-            "rpe_rmse_m": errors["rpe_translation_m"]["rmse"],
+            "landmarks": summary["landmarks"], "ate_rmse_m": summary["ate_m"]["rmse"],
+            "rpe_rmse_m": summary["rpe_1s_translation_m"]["rmse"],
             **{f"mask_{key}": (summary["mask"] or {}).get(key) for key in ("iou", "precision", "recall")},
             "peak_memory_mb": summary["peak_memory_mb"], "start_s": summary["start_s"],
             "initialising": summary["frames_in_state"].get("INITIALISING", 0), "dropped_late": summary["dropped_late"],
             "latency_ms": summary["latency_ms"],
-            "cpu_ms": stage_times(os.path.join(out_dir, "timing.csv"))}
+            "cpu_ms": {stage: (times["cpu_ms"]["median"], times["cpu_ms"]["p95"])
+                       for stage, times in summary["stages"].items()}}
 
 
 def table(results):
@@ -94,25 +74,27 @@ def table(results):
     return "\n".join(lines) + "\n"
 
 
+def positive(text):
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError("must be 1 or more")
+    return number
+
+
 def parse_arguments():
     parser = argparse.ArgumentParser(prog="./run bench", description=__doc__.splitlines()[0])
     parser.add_argument("sequences", nargs="*", help="TUM folders (default: %s in ../shared/data)" % ", ".join(DEFAULT_SEQUENCES))
     parser.add_argument("--camera", default=os.path.join(ROOT, "cfg", "cameras", "tum_fr1.yaml"), help="camera of the sequences")
-    parser.add_argument("--runs", type=int, help="runs of each sequence (default 5; 1 for a part, whose runs give the same)")
-    parser.add_argument("--network", help="semantic network of the parts, .onnx (default: the package's, else the public "
-                                          "one of ../shared/data/models)")
+    parser.add_argument("--runs", type=positive, help="runs of each sequence (default 5; 1 for a part, whose runs give the same)")
+    parser.add_argument("--network", default=PUBLIC_NETWORK if os.path.isfile(PUBLIC_NETWORK) else PACKAGE_NETWORK,
+                        help="semantic network of the parts about people, .onnx; '' for none (default %(default)s)")
     part = parser.add_mutually_exclusive_group()
-    for name, function in bench_motion.PARTS.items():
+    for name, function in {**bench_motion.PARTS, "loops": bench_map.loops, **bench_map.PARTS}.items():
         part.add_argument("--" + name, dest="part", action="store_const", const=name, help=function.__doc__)
-    part.add_argument("--recovery", dest="part", action="store_const", const="recovery",
-                      help=bench_recovery.recovery.__doc__.splitlines()[0] + " Of the first sequence")
-    part.add_argument("--loops", dest="part", action="store_const", const="loops", help=bench_map.loops.__doc__)
-    part.add_argument("--places", dest="part", action="store_const", const="places", help=bench_map.places.__doc__)
     part.add_argument("--backend", dest="part", action="store_const", const="backend",
                       help="All figures of the first sequence and its map in one table, with --places, --recovery, "
                            "--growth and --loops, each beside what is asked. Takes hours with all --seeds")
-    part.add_argument("--growth", dest="part", action="store_const", const="growth", help=bench_map.growth.__doc__)
-    parser.add_argument("--seeds", type=int, default=bench_map.LOOP_SEEDS, help="seeds of --loops (default %(default)s)")
+    parser.add_argument("--seeds", type=positive, default=bench_map.LOOP_SEEDS, help="seeds of --loops (default %(default)s)")
     return parser.parse_args()
 
 
@@ -151,11 +133,9 @@ def run_map_part(name, sequence, camera, seeds):
     """One of the parts about the map. @return numbers, text"""
     def say(line):
         print(f"[bench] {line}", flush=True)
-    if name == "recovery":
-        return bench_recovery.recovery(run, os.path.join(PROGRAMS, "measure_recovery"), sequence, camera)
     if name == "loops":
         return bench_map.loops(run, PROGRAMS, say, range(1, seeds + 1))
-    return {"places": bench_map.places, "growth": bench_map.growth}[name](run, PROGRAMS, sequence, camera)
+    return bench_map.PARTS[name](run, PROGRAMS, sequence, camera)
 
 
 def run_backend(sequence, camera, runs, seeds, out_dir):
@@ -163,7 +143,7 @@ def run_backend(sequence, camera, runs, seeds, out_dir):
     label = os.path.basename(os.path.normpath(sequence))
     results = {label: run_table([sequence], camera, runs, out_dir)[label]}
     text = f"{label}\n" + bench_map.figures(results[label])
-    for name in ("places", "recovery", "growth", "loops"):
+    for name in (*bench_map.PARTS, "loops"):
         print(f"[bench] {name}", flush=True)
         results[name], part = run_map_part(name, sequence, camera, seeds)
         text += f"\n{name}\n{part}"
@@ -178,13 +158,12 @@ def main():
             raise BenchError(f"{sequence} is no TUM folder with a groundtruth.txt; give one: ./run bench DIR...")
     out_dir = os.path.join(ROOT, "out", "bench")
     os.makedirs(out_dir, exist_ok=True)
-    if arguments.part in ("recovery", "loops", "growth", "places"):
+    if arguments.part == "loops" or arguments.part in bench_map.PARTS:
         results, text = run_map_part(arguments.part, sequences[0], arguments.camera, arguments.seeds)
     elif arguments.part == "backend":
         results, text = run_backend(sequences[0], arguments.camera, arguments.runs or 1, arguments.seeds, out_dir)
     elif arguments.part:
-        network = default_network() if arguments.network is None else arguments.network
-        results, text = run_part(arguments.part, sequences, arguments.camera, arguments.runs or 1, network, out_dir)
+        results, text = run_part(arguments.part, sequences, arguments.camera, arguments.runs or 1, arguments.network, out_dir)
     else:
         results = run_table(sequences, arguments.camera, arguments.runs or 5, out_dir)
         text = table(results)

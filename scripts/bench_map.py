@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The parts of `./run bench` about the map: what a run of a sequence gives, places recognised, loops, growth over passes."""
+"""The parts of `./run bench` about the map: what a run of a sequence gives, places recognised, lost sight and saved maps,
+loops, growth over passes."""
 import concurrent.futures
 import json
 import os
@@ -13,6 +14,9 @@ MOST_SHARE_OF_BEFORE = 1 / 3
 CORRIDORS = ("corridor", "corridor_identical")  # seeds take turns
 MOST_GROWTH = 0.20
 MOST_QUERY_MS = 5
+LEAST_SHARE_RECOVERED = 0.96
+MOST_FRAMES_TO_RECOVER = 10
+MOST_ATE_IN_SAVED_MAP_MM = 12
 # As asked of a recording without people at 640x480, 1000 features a frame.
 MOST_ATE_OF_SEQUENCE_MM, MOST_RPE_MM = 10.0, 16.0
 MOST_TRACKING_MS = (15, 25)  # median, 95th percentile
@@ -120,3 +124,27 @@ def growth(run, programs, sequence, camera):
         lines.append(_row(f"{what.replace('_', ' ')}: growth from pass 2 to {len(sizes)}", f"{100 * grown:.0f} %",
                           f"at most {100 * MOST_GROWTH:.0f} %", grown <= MOST_GROWTH))
     return numbers, "\n".join(lines) + "\n"
+
+
+def recovery(run, programs, sequence, camera):
+    """Cuts of 1 to 3 s in the first sequence, the lens covered for good, and localisation in the saved map."""
+    numbers = json.loads(run([os.path.join(programs, "measure_recovery"), sequence, "--camera", camera]))
+    cuts, saved = numbers["cuts"], numbers["saved_map"]
+    kept = numbers["covered_for_good_is_lost_and_keeps_map"]
+    needed, ate_mm = saved["frames_needed"], [1e3 * ate for ate in saved["ate_m"]]
+    lines = [
+        _row("cuts: posed again within 10 frames", f"{cuts['back_within_10_frames']} of {cuts['count']}", "at least 96 %",
+             cuts["back_within_10_frames"] >= LEAST_SHARE_RECOVERED * cuts["count"]),
+        _row("cuts: wrong place (over 0.05 m off)", str(cuts["wrong_place"]), "none", cuts["wrong_place"] == 0),
+        _row("covered for good: LOST, and the map stays", "yes" if kept else "no", "yes", kept),
+        _row("saved map: posed after, frames", ", ".join(f"{n:.0f}" for n in needed), f"at most {MOST_FRAMES_TO_RECOVER}",
+             0 <= min(needed) and max(needed) <= MOST_FRAMES_TO_RECOVER),
+        _row("saved map: ATE, mm", ", ".join(f"{mm:.1f}" for mm in ate_mm), f"at most {MOST_ATE_IN_SAVED_MAP_MM}",
+             max(ate_mm) <= MOST_ATE_IN_SAVED_MAP_MM),
+        _row("saved map: its bytes unchanged", "yes" if saved["bytes_unchanged"] else "no", "yes", saved["bytes_unchanged"]),
+        _row("start-up with the map, s", f"{saved['start_s']:.2f}", f"under {MOST_START_S}", saved["start_s"] < MOST_START_S)]
+    return numbers, "\n".join(lines) + "\n"
+
+
+# Of one sequence.
+PARTS = {"places": places, "recovery": recovery, "growth": growth}

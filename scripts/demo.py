@@ -134,11 +134,10 @@ def make_bag(options, processes):
         command = [package_program("tum_to_bag"), options.sequence, bag, "--mask"]
         processes.run("tum_to_bag", command + (["--camera", options.camera] if options.camera else []), 900)
         return bag
-    bag = os.path.join(bags, "synthetic.bag")
-    if not os.path.isfile(bag):
+    bag, renderer = os.path.join(bags, "synthetic.bag"), package_program("make_synthetic_bag")
+    if not os.path.isfile(bag) or os.path.getmtime(bag) < os.path.getmtime(renderer):
         say("rendering a room with walking people (once, about a minute)")
-        processes.run("make_synthetic_bag", [package_program("make_synthetic_bag"), "--out", bag, "--lz4",
-                                             "--seconds", "12"], 900)
+        processes.run("make_synthetic_bag", [renderer, "--out", bag, "--lz4", "--seconds", "12"], 900)
     return bag
 
 

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs the packages of packages.txt that are missing. usage: install_dependencies.sh build|demo
+# Installs the packages of packages.txt that are missing. usage: install_dependencies.sh build|demo|lint
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/scripts/common.sh"
-purpose=${1:?usage: install_dependencies.sh build|demo}
+purpose=${1:?usage: install_dependencies.sh build|demo|lint}
 
 case $(system_name) in
   debian12) column=2 ;;

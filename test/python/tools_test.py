@@ -10,6 +10,7 @@ import pty
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
@@ -17,16 +18,11 @@ import unittest
 import cv2
 import numpy as np
 
+sys.path.append(os.path.join(os.path.dirname(__file__), "..", "ros"))
+from programs import program
+
 FRAMES, WIDTH, HEIGHT, FOCAL_PX = 40, 320, 240, 260.0
 WALL_M, BOX_M = 2.5, 1.6
-
-
-def program(name):
-    for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(":"):
-        path = os.path.join(prefix, "lib", "semantic_vslam", name)
-        if os.path.exists(path):
-            return path
-    raise unittest.SkipTest(f"{name} is in no prefix of CMAKE_PREFIX_PATH; run by ctest, or source devel/setup.bash")
 
 
 def run(name, *arguments):
@@ -79,7 +75,10 @@ def write_sequence(folder):
 class ToolsTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        program("run_offline")
+        try:
+            program("run_offline")
+        except (KeyError, FileNotFoundError) as error:
+            raise unittest.SkipTest(f"no programs: {error}; run by ctest, or source devel/setup.bash")
         cls.folder = tempfile.mkdtemp(prefix="semantic_vslam_tools_")
         cls.sequence = os.path.join(cls.folder, "sequence")
         write_sequence(cls.sequence)

@@ -146,7 +146,7 @@ void MotionNodelet::takeChanges() {
     new_labels.swap(new_labels_);
     label_set = label_set_;
   }
-  if (new_config) detector_.emplace(*new_config);  // costs the memory of one frame; thresholds change by hand
+  if (new_config) detector_->setConfig(*new_config);
   for (const auto& [stamp, labels] : new_labels) {
     ++(detector_->addLabels(stamp, labels, label_set) ? labels_taken_ : labels_late_);
   }

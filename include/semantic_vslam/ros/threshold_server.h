@@ -10,6 +10,7 @@
 #include <functional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/error.h"
@@ -52,6 +53,12 @@ class ThresholdServer {
     values.__fromMessage__(message);
   }
 
+  static std::vector<std::string> valuesOf(const Config& config) {
+    std::vector<std::string> values;
+    for (const ConfigEntry& entry : listConfig(config)) values.push_back(entry.value);
+    return values;
+  }
+
   void onRequest(Reconfigure& requested) {
     dynamic_reconfigure::Config message;
     requested.__toMessage__(message);
@@ -60,6 +67,7 @@ class ThresholdServer {
       for (const auto& item : message.ints) setConfig(candidate, keyOf(item.name), config_detail::toText(item.value));
       for (const auto& item : message.doubles)
         setConfig(candidate, keyOf(item.name), config_detail::toText(item.value));
+      if (valuesOf(candidate) == valuesOf(current_)) return;
       apply_(candidate);
       current_ = candidate;
     } catch (const ConfigError& error) {

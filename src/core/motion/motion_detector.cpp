@@ -82,6 +82,15 @@ SE3 scaleMotion(const SE3& motion, double factor) { return se3Exp(factor * se3Lo
 MotionDetector::MotionDetector(const MotionConfig& config)
     : config_(validated(config)), dense_flow_(config.flow), memory_(config.memory), propagation_(config.semantics) {}
 
+void MotionDetector::setConfig(const MotionConfig& config) {
+  validateConfig(config);
+  if (config.model != config_.model || config.flow.width_px != config_.flow.width_px) reset();
+  config_ = config;
+  dense_flow_ = DenseFlow(config.flow);
+  memory_.setConfig(config.memory);
+  propagation_.setConfig(config.semantics);
+}
+
 void MotionDetector::reset() {
   grid_.reset();
   camera_.reset();

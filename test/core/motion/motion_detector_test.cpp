@@ -102,6 +102,24 @@ TEST(MotionDetectorTest, LabelsCountForAFrameInWhichNoMotionCouldBeTold) {
   EXPECT_GE(detector.detect(texturedFrame(3, 2.0F, 0)).dynamic(120, 130), 128);
 }
 
+TEST(MotionDetectorTest, OtherThresholdsLeaveWhatIsKnownOfTheScene) {
+  LabelSet labels;
+  labels.classes.push_back({"person", Mobility::kPerson, {}});
+  MotionConfig config;
+  MotionDetector detector(config);
+  detector.detect(texturedFrame(0, 2.0F, 0));
+  cv::Mat1b person = cv::Mat1b::zeros(240, 320);
+  person(cv::Rect(100, 60, 60, 120)) = 1;
+  ASSERT_TRUE(detector.addLabels(texturedFrame(0, 2.0F, 0).stamp, person, labels));
+  config.memory.time_constant_s = 1.0;
+  detector.setConfig(config);
+  const MotionResult result = detector.detect(texturedFrame(1, 2.0F, 4));
+  EXPECT_EQ(result.model, MotionModel::kRigidFlow);  // the frame before is still there
+  EXPECT_GE(result.dynamic(120, 134), 128);
+  config.memory.time_constant_s = -1.0;
+  EXPECT_THROW(detector.setConfig(config), ConfigError);
+}
+
 TEST(MotionDetectorTest, OldMaskGivesWayToASurfaceThatStandsStill) {
   LabelSet labels;
   labels.classes.push_back({"person", Mobility::kPerson, {}});

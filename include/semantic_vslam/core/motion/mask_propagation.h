@@ -22,6 +22,8 @@ class MaskPropagation {
  public:
   explicit MaskPropagation(const MaskPropagationConfig& config);
 
+  void setConfig(const MaskPropagationConfig& config) { config_ = config; }
+
   void reset();
   /// Advances to a new frame.
   /// @param source  where each cell was in the frame before, of traceBack(); empty for the first frame

@@ -25,6 +25,10 @@ class MotionDetector {
   /// @throws ConfigError if a value is out of range.
   explicit MotionDetector(const MotionConfig& config);
 
+  /// Takes other thresholds between two frames. What is known of the scene stays, unless the model or the grid differ.
+  /// @throws ConfigError if a value is out of range; the old ones then stay.
+  void setConfig(const MotionConfig& config);
+
   /// The first frame, and one whose stamp does not follow the last or whose camera differs, starts anew: all static.
   MotionResult detect(const RgbdFrame& frame);
   /// Labels of an earlier frame; they count from the next frame on. Those of a frame that is unknown or too old are

@@ -16,6 +16,8 @@ class MotionMemory {
  public:
   explicit MotionMemory(const MotionMemoryConfig& config);
 
+  void setConfig(const MotionMemoryConfig& config) { config_ = config; }
+
   void reset(cv::Size grid_size);
   /// Moves the evidence from the previous frame to the present one along the flow and lets it fade with time.
   /// @param source  of traceBack()  @param dt_s  time between the frames

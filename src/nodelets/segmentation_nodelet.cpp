@@ -21,10 +21,18 @@
 
 namespace semantic_vslam {
 
+/// The mapping nodelet decides what moves: no phi here.
+struct LabellingConfig : SegmentationConfig {
+  template <class Visitor>
+  void visit(Visitor& v) {
+    visitLabelling(v);
+  }
+};
+
 struct SegmentationNodeletConfig {
   double budget_ms = 500.0;
   KeptFramesConfig frames;
-  SegmentationConfig segmentation;
+  LabellingConfig segmentation;
 
   template <class Visitor>
   void visit(Visitor& v) {

@@ -10,6 +10,7 @@ import time
 import unittest
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from programs import program
 from sensor_msgs.msg import CameraInfo, Image
 
@@ -123,6 +124,27 @@ class FaultsTest(unittest.TestCase):
 
     def test_odometry_frame_without_base_frame_is_refused(self):
         self.check_refused_start("tracking_node", ["__name:=f", "_frames/odom_frame:=odom"], "base_frame")
+
+    def test_unknown_image_transport_is_named(self):
+        self.check_refused_start("motion_node", ["__name:=m", "_image_transport:=smoke"], "image_transport", "smoke")
+
+    def test_share_that_segmentation_does_not_decide_by_is_refused(self):
+        self.check_refused_start("segmentation_node", ["__name:=n", "_segmentation/phi:=0.5"], "segmentation.phi")
+
+    def test_missing_transform_is_named_in_the_diagnostics(self):
+        problems = []
+
+        def on_diagnostics(message):
+            problems.extend(status.message for status in message.status if status.level == DiagnosticStatus.WARN)
+
+        diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, on_diagnostics)
+        with Camera(), Node("tracking_node", "__name:=o", "_frames/base_frame:=base_link") as node:
+            node.wait_for_line("WARN", "camera -> base_link")
+            deadline = time.monotonic() + 20
+            while not any("base_link" in problem for problem in problems):
+                self.assertLess(time.monotonic(), deadline, problems)
+                time.sleep(0.1)
+        diagnostics.unregister()
 
     def test_unreadable_model_costs_the_labels_only(self):
         with tempfile.TemporaryDirectory() as folder:

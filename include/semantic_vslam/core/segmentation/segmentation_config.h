@@ -20,6 +20,13 @@ struct SegmentationConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
+    visitLabelling(v);
+    v.field("phi", phi, 0.0, 1.0, "eq. (5): an object moves when more than this share of its mask moves");
+  }
+
+  /// What makes the labels: all but the decision, which others make who have the masks of motion.
+  template <class Visitor>
+  void visitLabelling(Visitor& v) {
     v.text(
         "model", model,
         "semantic network: an .onnx file, or its name in this package's folder models; empty: motion detection alone");
@@ -30,7 +37,6 @@ struct SegmentationConfig {
     v.field("threads", threads, 1, 64,
             "threads of the network on the CPU; 1 leaves a two-core robot its tracking core");
     v.field("arena_mb", arena_mb, 16, 16384, "upper bound of the network's working memory, MiB");
-    v.field("phi", phi, 0.0, 1.0, "eq. (5): an object moves when more than this share of its mask moves");
     v.group("refinement", refinement);
   }
 };

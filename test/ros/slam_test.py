@@ -14,14 +14,15 @@ import rospkg
 import rospy
 import sensor_msgs.point_cloud2
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from nav_msgs.msg import OccupancyGrid
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from octomap_msgs.msg import Octomap
 from programs import program
-from semantic_vslam.msg import KeyframePoseArray, KeyframeStamped, TrackingReport
+from semantic_vslam.msg import KeyframePoseArray, KeyframeStamped, MotionReport, TrackingReport
 from sensor_msgs.msg import Image, PointCloud2
 from std_srvs.srv import SetBool, Trigger
 from tf import transformations
 from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import Marker, MarkerArray
 
 CAMERA_FRAME = "openni_rgb_optical_frame"
 IMAGE_TOPIC, DEPTH_TOPIC = "/camera/rgb/image_color", "/camera/depth/image"
@@ -32,6 +33,12 @@ def matrix(translation, rotation):
     out = transformations.quaternion_matrix([rotation.x, rotation.y, rotation.z, rotation.w])
     out[:3, 3] = [translation.x, translation.y, translation.z]
     return out
+
+
+def static_edge(text):
+    """@param text  x y z yaw pitch roll, as static_transform_publisher takes them"""
+    x, y, z, yaw, pitch, roll = map(float, text.split())
+    return transformations.compose_matrix(translate=(x, y, z), angles=(roll, pitch, yaw))
 
 
 def wait_until(condition, timeout_s, what):
@@ -81,16 +88,19 @@ class Recording:
 class Listener:
     def __init__(self):
         self.states, self.poses, self.transforms, self.masks = [], {}, {}, {}
-        self.keyframes, self.newest = [], {}
+        self.keyframes, self.newest, self.odometry, self.motion = [], {}, [], []
         self.subscribers = [
             rospy.Subscriber("tracking/state", TrackingReport, self.states.append, queue_size=500),
             rospy.Subscriber("tracking/pose", PoseWithCovarianceStamped, self.on_pose, queue_size=500),
             rospy.Subscriber("tracking/keyframe", KeyframeStamped, self.keyframes.append, queue_size=500),
+            rospy.Subscriber("tracking/odometry", Odometry, self.odometry.append, queue_size=500),
+            rospy.Subscriber("motion/report", MotionReport, self.motion.append, queue_size=500),
             rospy.Subscriber("motion/mask", Image, self.on_mask, queue_size=500),
             rospy.Subscriber("/tf", TFMessage, self.on_tf, queue_size=500)]
         for topic, kind in (("tracking/keyframe_poses", KeyframePoseArray), ("mapping/semantic_cloud", PointCloud2),
                             ("mapping/octomap_binary", Octomap), ("mapping/octomap_full", Octomap),
-                            ("mapping/projected_map", OccupancyGrid)):
+                            ("mapping/projected_map", OccupancyGrid), ("mapping/objects", MarkerArray),
+                            ("tracking/path", Path), ("tracking/points", PointCloud2), ("motion/flow_image", Image)):
             self.subscribers.append(rospy.Subscriber(topic, kind, self.keep, callback_args=topic, queue_size=1))
 
     def keep(self, message, topic):
@@ -128,6 +138,9 @@ class SlamTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("slam_test")
+        cls.body_frame = rospy.get_param("~base_frame", CAMERA_FRAME)
+        cls.body_camera = static_edge(rospy.get_param("~base_camera", "0 0 0 0 0 0"))
+        cls.odom_body = static_edge(rospy.get_param("~odom_base", "0 0 0 0 0 0"))
         cls.recording = Recording(rendered_bag())
         cls.seen = Listener()
         for service in ("/slam_tracking/save_trajectory", "/slam_mapping/save"):
@@ -146,25 +159,51 @@ class SlamTest(unittest.TestCase):
         wait_until(lambda: "mapping/semantic_cloud" in cls.seen.newest, 30, "a semantic cloud")
         time.sleep(3.0)  # the last keyframe on its way into the map
 
+    def camera_pose(self, stamp):
+        """@return T_map_camera of what is published: T_map_body"""
+        return self.seen.poses[stamp] @ self.body_camera
+
     def test_1_almost_every_frame_has_a_pose_near_the_truth(self):
         posed = sorted(self.seen.poses.keys() & self.recording.poses.keys())
         self.assertGreaterEqual(len(posed), 0.9 * len(self.recording.stamps))
-        estimate = numpy.array([self.seen.poses[stamp][:3, 3] for stamp in posed])
+        estimate = numpy.array([self.camera_pose(stamp)[:3, 3] for stamp in posed])
         truth = numpy.array([self.recording.poses[stamp][:3, 3] for stamp in posed])
         self.assertLess(aligned_error_m(estimate, truth), 0.03)
 
-    def test_2_first_camera_is_level_and_at_the_initial_pose(self):
-        first = self.seen.poses[min(self.seen.poses)]
-        self.assertLess(numpy.linalg.norm(first[:3, 3] - [0, 0, 1.2]), 0.1)
-        forward = first[:3, 2]
+    def test_2_first_camera_is_level_and_its_body_at_the_initial_pose(self):
+        first = min(self.seen.poses)
+        self.assertLess(numpy.linalg.norm(self.seen.poses[first][:3, 3] - [0, 0, 1.2]), 0.1)
+        forward = self.camera_pose(first)[:3, 2]
         self.assertGreater(forward[0], 0.98)
 
     def test_3_tf_has_the_pose_of_every_posed_frame(self):
         self.assertGreaterEqual(len(self.seen.transforms.keys() & self.seen.poses.keys()), len(self.seen.poses) - 1)
+        with_odometry = rospy.has_param("~odom_base")
         for stamp, (child, pose) in self.seen.transforms.items():
-            self.assertEqual(child, CAMERA_FRAME)
+            self.assertEqual(child, "odom" if with_odometry else self.body_frame)
             if stamp in self.seen.poses:
-                numpy.testing.assert_allclose(pose, self.seen.poses[stamp], atol=1e-9)
+                numpy.testing.assert_allclose(pose @ self.odom_body, self.seen.poses[stamp], atol=1e-6)
+
+    def test_3_odometry_is_the_pose_with_its_velocity(self):
+        self.assertGreaterEqual(len(self.seen.odometry), len(self.seen.poses) - 1)
+        for odometry in self.seen.odometry:
+            self.assertEqual((odometry.header.frame_id, odometry.child_frame_id), ("map", self.body_frame))
+            pose = self.seen.poses.get(odometry.header.stamp.to_nsec())
+            if pose is not None:
+                numpy.testing.assert_array_equal(matrix(odometry.pose.pose.position, odometry.pose.pose.orientation),
+                                                 pose)
+        speeds = [numpy.linalg.norm([v.x, v.y, v.z]) for v in (o.twist.twist.linear for o in self.seen.odometry)]
+        stamps = sorted(self.recording.poses)
+        path_m = sum(numpy.linalg.norm(self.recording.poses[b][:3, 3] - self.recording.poses[a][:3, 3])
+                     for a, b in zip(stamps, stamps[1:]))
+        mean_m_per_s = path_m / ((stamps[-1] - stamps[0]) * 1e-9)
+        self.assertLess(abs(numpy.median(speeds) - mean_m_per_s), 0.5 * mean_m_per_s)
+
+    def test_3_path_and_points_are_in_the_map(self):
+        path, points = self.seen.newest["tracking/path"], self.seen.newest["tracking/points"]
+        self.assertEqual((path.header.frame_id, points.header.frame_id), ("map", "map"))
+        self.assertGreaterEqual(len(path.poses), 0.7 * len(self.recording.stamps))
+        self.assertGreater(points.width * points.height, 200)
 
     def test_4_masks_have_the_stamps_of_images_and_cover_what_moves(self):
         self.assertGreaterEqual(len(self.seen.masks), 0.9 * len(self.recording.stamps))
@@ -176,6 +215,15 @@ class SlamTest(unittest.TestCase):
             intersection += numpy.count_nonzero(mask & truth)
             union += numpy.count_nonzero(mask | truth)
         self.assertGreater(intersection / union, 0.3)
+
+    def test_4_motion_reports_and_shows_the_flow(self):
+        self.assertGreaterEqual(len(self.seen.motion), 0.9 * len(self.recording.stamps))
+        rigid = [report for report in self.seen.motion if report.model == MotionReport.MODEL_RIGID_FLOW]
+        self.assertGreaterEqual(len(rigid), 0.8 * len(self.seen.motion))
+        self.assertTrue(all(report.inliers > 0 and 0 <= report.dynamic_share <= 1 for report in rigid))
+        flow = self.seen.newest["motion/flow_image"]
+        self.assertEqual(flow.encoding, "bgr8")
+        self.assertIn(flow.header.stamp.to_nsec(), self.recording.stamps)
 
     def test_5_tracking_used_the_masks(self):
         with_mask = sum(1 for state in self.seen.states if state.has_mask)
@@ -193,7 +241,7 @@ class SlamTest(unittest.TestCase):
         stamps = sorted(self.seen.poses.keys() & self.recording.depth_m.keys())
         violations = numpy.zeros(len(points), bool)
         for stamp in stamps[::5]:
-            violations |= self.seen_through(points, self.seen.poses[stamp], self.recording.depth_m[stamp])
+            violations |= self.seen_through(points, self.camera_pose(stamp), self.recording.depth_m[stamp])
         self.assertLess(violations.mean(), 0.02)
 
     def seen_through(self, points, pose, depth_m):
@@ -226,22 +274,25 @@ class SlamTest(unittest.TestCase):
         cells = numpy.array(grid.data)
         self.assertEqual(len(cells), grid.info.width * grid.info.height)
         self.assertGreater(numpy.count_nonzero(cells == 100), 10)
+        self.assertEqual(self.seen.newest["mapping/objects"].markers[0].action, Marker.DELETEALL)
 
     def test_9_services(self):
         """Last: it changes what the others look at."""
         self.check_saving()
         self.check_pause()
         self.check_reset()
+        self.check_loading()
+        self.check_clearing()
 
     def check_saving(self):
-        for name in ("/slam_tracking/save_trajectory", "/slam_mapping/save"):
+        for name in ("/slam_tracking/save_trajectory", "/slam_tracking/save_map", "/slam_mapping/save"):
             answer = rospy.ServiceProxy(name, Trigger)()
             self.assertTrue(answer.success, answer.message)
         folder = rospkg.get_ros_home()  # where roslaunch runs the nodes
         poses = numpy.loadtxt(os.path.join(folder, "trajectory.txt"))
         self.assertEqual(poses.shape[1], 8)
         self.assertGreaterEqual(len(poses), 0.9 * len(self.recording.stamps))
-        for name in ("cloud.pcd", "map.ot"):
+        for name in ("cloud.pcd", "map.ot", "map.slam"):
             self.assertGreater(os.path.getsize(os.path.join(folder, name)), 1000)
 
     def check_pause(self):
@@ -261,6 +312,23 @@ class SlamTest(unittest.TestCase):
         self.assertTrue(rospy.ServiceProxy("/slam_tracking/reset", Trigger)().success)
         play(self.recording.path, "--start", "2", "--duration", "1")
         wait_until(lambda: self.seen.newest["tracking/keyframe_poses"].map_id != map_id, 20, "a new map after reset")
+
+    def check_loading(self):
+        """The camera finds itself in the saved map, which stays as it is."""
+        self.assertTrue(rospy.ServiceProxy("/slam_tracking/localization_only", SetBool)(True).success)
+        answer = rospy.ServiceProxy("/slam_tracking/load_map", Trigger)()
+        self.assertTrue(answer.success, answer.message)
+        self.seen.states.clear()
+        self.seen.keyframes.clear()
+        play(self.recording.path, "--start", "3")
+        wait_until(lambda: self.seen.states and self.seen.states[-1].state == TrackingReport.OK, 20, "relocalisation")
+        self.assertEqual(self.seen.keyframes, [])
+        self.assertEqual(len({state.keyframes for state in self.seen.states}), 1)
+        self.assertGreater(len(self.seen.newest["tracking/keyframe_poses"].keyframes), 1)
+
+    def check_clearing(self):
+        self.assertTrue(rospy.ServiceProxy("/slam_mapping/clear", Trigger)().success)
+        wait_until(lambda: self.seen.newest["mapping/semantic_cloud"].width == 0, 20, "an empty cloud")
 
 
 if __name__ == "__main__":

@@ -29,6 +29,7 @@ void MotionMaskInput::onMask(const sensor_msgs::ImageConstPtr& message) {
 /// The first labels are in the motion masks from the next mask on.
 void MotionMaskInput::onLabels(const sensor_msgs::ImageConstPtr&) {
   std::lock_guard<std::mutex> lock(mutex_);
+  network_seen_ = true;
   if (!labels_in_masks_after_) labels_in_masks_after_ = masks_.newest().value_or(Stamp{});
 }
 
@@ -36,6 +37,7 @@ bool MotionMaskInput::readyToStart(Stamp stamp) {
   if (config_.init_wait_s <= 0) return true;
   std::lock_guard<std::mutex> lock(mutex_);
   if (labels_in_masks_after_ && stamp > *labels_in_masks_after_) return true;
+  if (network_seen_ && labels_subscriber_.getNumPublishers() == 0) return true;  // it broke down
   const ros::SteadyTime now = ros::SteadyTime::now();
   if (!waiting_since_) waiting_since_ = now;
   if ((now - *waiting_since_).toSec() < config_.init_wait_s) return false;

@@ -53,6 +53,7 @@ class MotionMaskInput {
   const MotionMaskConfig config_;
   StampedBuffer<cv::Mat1b> masks_{30};
   std::mutex mutex_;
+  bool network_seen_ = false;                            // guarded by mutex_
   std::optional<Stamp> labels_in_masks_after_;           // guarded by mutex_; set by the first labels
   std::optional<ros::SteadyTime> waiting_since_;         // guarded by mutex_
   ros::Subscriber mask_subscriber_, labels_subscriber_;  // last: callbacks use the above

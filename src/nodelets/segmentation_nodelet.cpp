@@ -66,7 +66,7 @@ class SegmentationNodelet final : public StageNodelet {
   SegmentationNodeletConfig config_;
   std::optional<SegmentationStage> stage_;  // worker only; none without a network
   std::atomic<bool> network_failed_{false};
-  std::atomic<bool> keyframe_seen_{false};
+  std::atomic<bool> keyframe_seen_{true};  // until the worker can get at the images
 
   ros::Publisher labels_publisher_, info_publisher_, overlay_publisher_;
   std::unique_ptr<StageDiagnostics> diagnostics_;
@@ -122,6 +122,7 @@ void SegmentationNodelet::run(ros::NodeHandle nh, ros::NodeHandle private_nh) {
   frames_ = std::make_unique<KeptFrames>(nh, private_nh, config_.frames, [this](Stamp stamp) {
     if (!keyframe_seen_) worker_->push(stamp);
   });
+  keyframe_seen_ = false;
   keyframe_subscriber_ = nh.subscribe("tracking/keyframe", 10, &SegmentationNodelet::onKeyframe, this);
   keyframe_poses_subscriber_ = nh.subscribe("tracking/keyframe_poses", 1, &SegmentationNodelet::onKeyframePoses, this);
 }

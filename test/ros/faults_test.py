@@ -128,10 +128,6 @@ class FaultsTest(unittest.TestCase):
     def test_unknown_image_transport_is_named(self):
         self.check_refused_start("motion_node", ["__name:=m", "_image_transport:=smoke"], "image_transport", "smoke")
 
-    def test_dense_map_can_be_switched_off(self):
-        with Node("mapping_node", "__name:=p", "_dense/enabled:=false") as node:
-            node.wait_for_line("INFO", "no dense map")
-
     def test_share_that_segmentation_does_not_decide_by_is_refused(self):
         self.check_refused_start("segmentation_node", ["__name:=n", "_segmentation/phi:=0.5"], "segmentation.phi")
 

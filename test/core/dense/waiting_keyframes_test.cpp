@@ -38,11 +38,21 @@ TEST(WaitingKeyframes, TheOldestGoWhenTheyAreTooMany) {
   DenseMapper map(DenseConfig(), threeLabels());
   WaitingKeyframes waiting;
   for (std::uint64_t id = 0; id <= WaitingKeyframes::kMost; ++id) waiting.add(wall(id));
+  waiting.place({}, map);
   EXPECT_EQ(waiting.size(), WaitingKeyframes::kMost);
   waiting.place({poseOf(0, 0.0)}, map);
   EXPECT_EQ(map.keyframes(), 0U);
   waiting.place({poseOf(1, 0.0), poseOf(2, 0.0)}, map);
   EXPECT_EQ(map.keyframes(), 2U);
+}
+
+TEST(WaitingKeyframes, WhatCanBePlacedIsPlacedBeforeAnyGo) {
+  DenseMapper map(DenseConfig(), threeLabels());
+  WaitingKeyframes waiting;
+  for (std::uint64_t id = 0; id <= WaitingKeyframes::kMost; ++id) waiting.add(wall(id));
+  waiting.place({poseOf(0, 0.0)}, map);
+  EXPECT_EQ(map.keyframes(), 1U);
+  EXPECT_EQ(waiting.size(), WaitingKeyframes::kMost);
 }
 
 TEST(WaitingKeyframes, ThoseThatNobodyWillPlaceAreDropped) {

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <ctime>
 #include <set>
 
 #include "../support/synthetic_map.h"
@@ -180,28 +179,6 @@ TEST(BundleAdjustment, SameProblemGivesTheSameBits) {
   for (const auto& [id, pose] : a.T_camera_world) EXPECT_EQ(pose.matrix(), b.T_camera_world.at(id).matrix());
   for (const auto& [id, position] : a.position_world) EXPECT_EQ(position, b.position_world.at(id));
   EXPECT_EQ(a.outlier_observations, b.outlier_observations);
-}
-
-TEST(BundleAdjustment, TypicalLocalProblemCostsAFractionOfASecond) {
-  WallMap scene(20, 2600, {0.5, 0.3, 0});
-  BaConfig config;
-  config.max_keyframes = 12;
-  config.max_fixed_keyframes = 8;
-  const BaProblem problem = selectLocal(scene.synthetic.map, KeyframeId(12), SensorConfig(), config);
-  const auto cpuMs = [] {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
-  };
-  const double start_ms = cpuMs();
-  BaReport report;
-  solve(problem, config, nullptr, &report);
-  const double elapsed_ms = cpuMs() - start_ms;
-  std::printf("%zu keyframes, %zu landmarks, %zu observations, %d iterations: %.1f ms CPU\n", problem.keyframes.size(),
-              problem.landmarks.size(), problem.observations.size(), report.iterations, elapsed_ms);
-#ifdef NDEBUG
-  EXPECT_LT(elapsed_ms, 1500.0);
-#endif
 }
 
 }  // namespace

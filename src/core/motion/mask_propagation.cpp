@@ -14,6 +14,11 @@ namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
+// Share of what earlier labels said of a surface that fresh ones just after them leave. Half a second later, as
+// keyframes come, it is 0.7: a network that mistakes a desk for a person must do so twice or thrice before it is
+// believed, while whoever comes into view is new and believed at once.
+constexpr double kKept = 0.9;
+
 cv::Mat2f identityOrigin(cv::Size size) {
   cv::Mat2f origin(size);
   for (int y = 0; y < size.height; ++y) {
@@ -41,6 +46,20 @@ cv::Mat2f advanceOrigin(const cv::Mat2f& origin, const cv::Mat2f& source) {
     }
   }
   return advanced;
+}
+
+/// The mask where each cell comes from; NaN = lost.
+cv::Mat1f sampleMask(const cv::Mat1f& mask, const cv::Mat2f& origin) {
+  cv::Mat1f sampled(mask.size(), kNan);
+  const auto right = static_cast<float>(mask.cols - 1), bottom = static_cast<float>(mask.rows - 1);
+  for (int y = 0; y < mask.rows; ++y) {
+    for (int x = 0; x < mask.cols; ++x) {
+      const cv::Vec2f at = origin(y, x);
+      if (std::isnan(at[0])) continue;
+      sampled(y, x) = sampleBilinear(mask, std::clamp(at[0], 0.0F, right), std::clamp(at[1], 0.0F, bottom));
+    }
+  }
+  return sampled;
 }
 
 /// Share of each grid cell's pixels that belong to a person.
@@ -90,11 +109,28 @@ cv::Mat1f MaskPropagation::dynamicOf(const Entry& entry, const cv::Mat1b& labels
   return cv::max(dynamic, whole_cells);
 }
 
+cv::Mat1f MaskPropagation::agreed(cv::Mat1f fresh, const Entry& entry) const {
+  if (!hasMask()) return fresh;
+  auto at = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.stamp == mask_stamp_; });
+  if (at == entries_.end()) return fresh;
+  cv::Mat2f origin = identityOrigin(mask_.size());
+  while (at->stamp < entry.stamp) origin = advanceOrigin(origin, (++at)->source);
+  const cv::Mat1f before = sampleMask(mask_, origin);
+  const double age_s = secondsBetween(mask_stamp_, entry.stamp);
+  const auto kept = static_cast<float>(kKept * std::exp(-age_s / config_.time_constant_s));
+  for (int y = 0; y < fresh.rows; ++y) {
+    for (int x = 0; x < fresh.cols; ++x) {
+      if (!std::isnan(before(y, x))) fresh(y, x) += kept * (before(y, x) - fresh(y, x));
+    }
+  }
+  return fresh;
+}
+
 bool MaskPropagation::addLabels(Stamp stamp, const cv::Mat1b& labels, const LabelSet& label_set) {
   const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.stamp == stamp; });
   if (entry == entries_.end() || labels.empty()) return false;
   if (hasMask() && stamp < mask_stamp_) return false;  // a newer one is being carried already
-  mask_ = dynamicOf(*entry, labels, label_set);
+  mask_ = agreed(dynamicOf(*entry, labels, label_set), *entry);
   mask_stamp_ = stamp;
   origin_ = identityOrigin(mask_.size());
   for (auto next = entry + 1; next != entries_.end(); ++next) origin_ = advanceOrigin(origin_, next->source);
@@ -105,16 +141,8 @@ cv::Mat1f MaskPropagation::dynamicNow() const {
   if (!hasMask()) return {};
   const double age_s = secondsBetween(mask_stamp_, entries_.back().stamp);
   const auto trust = static_cast<float>(std::exp(-age_s / config_.time_constant_s));
-  cv::Mat1f dynamic(mask_.size(), kNan);
-  const auto right = static_cast<float>(mask_.cols - 1), bottom = static_cast<float>(mask_.rows - 1);
-  for (int y = 0; y < mask_.rows; ++y) {
-    for (int x = 0; x < mask_.cols; ++x) {
-      const cv::Vec2f at = origin_(y, x);
-      if (std::isnan(at[0])) continue;
-      const float value = sampleBilinear(mask_, std::clamp(at[0], 0.0F, right), std::clamp(at[1], 0.0F, bottom));
-      dynamic(y, x) = 0.5F + trust * (value - 0.5F);
-    }
-  }
+  cv::Mat1f dynamic = sampleMask(mask_, origin_);
+  changeCells(dynamic, [trust](float value) { return 0.5F + trust * (value - 0.5F); });
   return dynamic;
 }
 

@@ -102,6 +102,32 @@ TEST(MaskPropagationTest, MovableThingsCountOnlyIfEnoughOfThemMoved) {
   EXPECT_LT(dynamic(10, 25), 0.1F);
 }
 
+TEST(MaskPropagationTest, LabelsThatContradictThoseBeforeMustInsist) {
+  MaskPropagation propagation{MaskPropagationConfig()};
+  const cv::Mat1b nobody = cv::Mat1b::zeros(kHeight * kCellPx, kWidth * kCellPx);
+  const cv::Mat1b person = labelsWithBlock(kPerson, {10, 10, 10, 10});
+  addFrame(propagation, 0.0, {});
+  ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.0), nobody, labelSet()));
+  addFrame(propagation, 0.4, shift(0.0F, 0.0F));
+  ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.4), person, labelSet()));
+  EXPECT_LT(propagation.dynamicNow()(15, 15), 0.5F) << "that was a desk just now";
+  for (const double seconds : {0.8, 1.2}) {
+    addFrame(propagation, seconds, shift(0.0F, 0.0F));
+    ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(seconds), person, labelSet()));
+  }
+  EXPECT_GT(propagation.dynamicNow()(15, 15), 0.5F);
+}
+
+TEST(MaskPropagationTest, WhoComesIntoViewIsBelievedAtOnce) {
+  MaskPropagation propagation{MaskPropagationConfig()};
+  addFrame(propagation, 0.0, {});
+  ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.0), cv::Mat1b::zeros(kHeight * kCellPx, kWidth * kCellPx),
+                                    labelSet()));
+  addFrame(propagation, 0.1, shift(20.0F, 0.0F));  // the left half of the picture is new
+  ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.1), labelsWithBlock(kPerson, {5, 10, 10, 10}), labelSet()));
+  EXPECT_GT(propagation.dynamicNow()(15, 10), 0.9F);
+}
+
 TEST(MaskPropagationTest, IgnoresLabelsOfFramesItDoesNotKnow) {
   MaskPropagationConfig config;
   config.max_delay_s = 1.0;

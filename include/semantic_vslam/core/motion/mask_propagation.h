@@ -49,6 +49,8 @@ class MaskPropagation {
     cv::Mat1b moving;
   };
 
+  /// A frame's labels, tempered by what those before them said of the same surface.
+  cv::Mat1f agreed(cv::Mat1f fresh, const Entry& entry) const;
   cv::Mat1f dynamicOf(const Entry& entry, const cv::Mat1b& labels, const LabelSet& label_set) const;
 
   MaskPropagationConfig config_;

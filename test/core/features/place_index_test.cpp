@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/rng.h"
 

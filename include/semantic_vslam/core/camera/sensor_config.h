@@ -17,8 +17,8 @@ struct SensorConfig {
             "baseline of the virtual stereo camera that depth is compared in; 0.08 m is a Kinect's");
     v.field("depth_sigma_at_1m_m", depth_sigma_at_1m_m, 0.0001, 1.0,
             "standard deviation of a feature's depth at 1 m, metres; it grows with the square of the distance. 1.6 cm "
-            "covers "
-            "a Kinect's registration and edge errors, since features lie on edges; motion.rigid has that of surfaces");
+            "covers a Kinect's registration and edge errors, since features lie on edges; motion.rigid has that of "
+            "surfaces");
     v.field("close_baselines", close_baselines, 1.0, 1000.0,
             "a point is close up to this many virtual baselines (40 x 0.08 m = 3.2 m): its depth alone makes a "
             "landmark and is used by the optimisers; farther off its error exceeds its worth");

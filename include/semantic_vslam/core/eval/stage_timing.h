@@ -11,7 +11,7 @@
 
 namespace semantic_vslam {
 
-/// CPU time of the calling thread.
+/// @return CPU time of the calling thread so far
 double threadCpuMs();
 
 /// What one stage took for one frame.
@@ -21,9 +21,6 @@ struct StageTime {
   double wall_ms = 0.0;
   double cpu_ms = 0.0;  ///< of the thread that ran the stage
 };
-
-/// @return CPU time of the calling thread so far
-double threadCpuMs();
 
 struct TimeQuantiles {
   double median_ms = 0.0;

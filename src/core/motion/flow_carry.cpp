@@ -11,11 +11,13 @@ namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-/// Holes (0) never are.
+/// Whether a surface cannot be the one that was there because it lies behind it. Where depth ends a hole begins that
+/// something in front of it hid: a black screen, a lamp.
 bool isUncovered(float depth_m, float previous_depth_m, float dt_s) {
+  if (previous_depth_m <= 0.0F) return false;
+  if (depth_m <= 0.0F) return true;
   // People recede at 2 m/s at most; the noise of both depths grows with the square of depth.
-  return depth_m > 0.0F && previous_depth_m > 0.0F &&
-         depth_m - previous_depth_m > 0.03F + 2.0F * dt_s + 0.015F * depth_m * depth_m;
+  return depth_m - previous_depth_m > 0.03F + 2.0F * dt_s + 0.015F * depth_m * depth_m;
 }
 
 }  // namespace

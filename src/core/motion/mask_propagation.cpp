@@ -14,11 +14,6 @@ namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-// Share of what earlier labels said of a surface that fresh ones just after them leave. Half a second later, as
-// keyframes come, it is 0.7: a network that mistakes a desk for a person must do so twice or thrice before it is
-// believed, while whoever comes into view is new and believed at once.
-constexpr double kKept = 0.9;
-
 cv::Mat2f identityOrigin(cv::Size size) {
   cv::Mat2f origin(size);
   for (int y = 0; y < size.height; ++y) {
@@ -78,7 +73,9 @@ cv::Mat1f personShare(const cv::Mat1b& labels, const LabelSet& label_set, cv::Si
 
 MaskPropagation::MaskPropagation(const MaskPropagationConfig& config) : config_(config) {}
 
-void MaskPropagation::reset() {
+void MaskPropagation::reset(const WorkGrid* grid) {
+  grid_ = grid;
+  memory_.clear();
   entries_.clear();
   mask_.release();
   origin_.release();
@@ -89,12 +86,22 @@ void MaskPropagation::addFrame(Stamp stamp, cv::Size grid_size, const cv::Mat2f&
   const bool expired = hasMask() && secondsBetween(mask_stamp_, stamp) > 3.0 * config_.time_constant_s;
   if (expired || source.empty()) mask_.release();
   if (hasMask()) origin_ = advanceOrigin(origin_, source);
-  entries_.push_back({stamp, source, cv::Mat1b(grid_size, 0)});
+  entries_.push_back({stamp, source, cv::Mat1b(grid_size, 0), {}});
   while (secondsBetween(entries_.front().stamp, stamp) > config_.max_delay_s) entries_.pop_front();
 }
 
 void MaskPropagation::setMoving(const cv::Mat1b& moving) {
   if (!entries_.empty() && !moving.empty()) entries_.back().moving = moving;
+}
+
+void MaskPropagation::setPlace(const GridFrame& newest, const SE3& T_odometry_camera) {
+  if (entries_.empty()) return;
+  entries_.back().surfaces = PlacedSurfaces{newest.stamp, newest.depth_m, newest.depth_high_m, T_odometry_camera};
+}
+
+void MaskPropagation::forgetPlaces() {
+  memory_.clear();
+  for (Entry& entry : entries_) entry.surfaces.reset();
 }
 
 cv::Mat1f MaskPropagation::dynamicOf(const Entry& entry, const cv::Mat1b& labels, const LabelSet& label_set) const {
@@ -109,28 +116,12 @@ cv::Mat1f MaskPropagation::dynamicOf(const Entry& entry, const cv::Mat1b& labels
   return cv::max(dynamic, whole_cells);
 }
 
-cv::Mat1f MaskPropagation::agreed(cv::Mat1f fresh, const Entry& entry) const {
-  if (!hasMask()) return fresh;
-  auto at = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.stamp == mask_stamp_; });
-  if (at == entries_.end()) return fresh;
-  cv::Mat2f origin = identityOrigin(mask_.size());
-  while (at->stamp < entry.stamp) origin = advanceOrigin(origin, (++at)->source);
-  const cv::Mat1f before = sampleMask(mask_, origin);
-  const double age_s = secondsBetween(mask_stamp_, entry.stamp);
-  const auto kept = static_cast<float>(kKept * std::exp(-age_s / config_.time_constant_s));
-  for (int y = 0; y < fresh.rows; ++y) {
-    for (int x = 0; x < fresh.cols; ++x) {
-      if (!std::isnan(before(y, x))) fresh(y, x) += kept * (before(y, x) - fresh(y, x));
-    }
-  }
-  return fresh;
-}
-
 bool MaskPropagation::addLabels(Stamp stamp, const cv::Mat1b& labels, const LabelSet& label_set) {
   const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.stamp == stamp; });
   if (entry == entries_.end() || labels.empty()) return false;
   if (hasMask() && stamp < mask_stamp_) return false;  // a newer one is being carried already
-  mask_ = agreed(dynamicOf(*entry, labels, label_set), *entry);
+  mask_ = dynamicOf(*entry, labels, label_set);
+  if (grid_ != nullptr && entry->surfaces) mask_ = memory_.weigh(mask_, *entry->surfaces, *grid_);
   mask_stamp_ = stamp;
   origin_ = identityOrigin(mask_.size());
   for (auto next = entry + 1; next != entries_.end(); ++next) origin_ = advanceOrigin(origin_, next->source);

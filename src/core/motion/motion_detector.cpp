@@ -59,17 +59,20 @@ cv::Mat1f movingProbability(const cv::Mat1b& moving, const cv::Mat1f& log_odds, 
 
 /// Adds what carried masks say. A fresh mask outweighs the surest evidence of rest, one that is a second old does
 /// not any more: so a coarse mask that holds a piece of desk, or one that went astray, is corrected, and who stands
-/// still in front of the camera stays out as long as the network says so.
+/// still in front of the camera stays out as long as the network says so. That something is no person does not stop it
+/// from moving, but in holes, where motion is only guessed from what lies around.
 /// @param semantic  faded with the mask's age, NaN = unknown  @param log_odds  of motion; empty: nothing is known
-void addMasks(const cv::Mat1f& semantic, const cv::Mat1f& log_odds, cv::Mat1f& dynamic) {
+/// @param depth_m  0 = hole
+void addMasks(const cv::Mat1f& semantic, const cv::Mat1f& log_odds, const cv::Mat1f& depth_m, cv::Mat1f& dynamic) {
   constexpr float kFreshMask = 4.0F;  // log-odds
   for (int y = 0; y < dynamic.rows; ++y) {
-    const float *mask = semantic[y], *odds = log_odds.empty() ? nullptr : log_odds[y];
+    const float *mask = semantic[y], *odds = log_odds.empty() ? nullptr : log_odds[y], *depth = depth_m[y];
     float* out = dynamic[y];
     for (int x = 0; x < dynamic.cols; ++x) {
-      if (!(mask[x] > 0.5F)) continue;
-      const float together = kFreshMask * (2.0F * mask[x] - 1.0F) + (odds != nullptr ? odds[x] : 0.0F);
-      out[x] = std::max(out[x], squash(together));
+      const bool person = mask[x] > 0.5F, nobody_in_hole = mask[x] < 0.5F && depth[x] <= 0.0F;
+      if (!person && !nobody_in_hole) continue;
+      const float together = squash(kFreshMask * (2.0F * mask[x] - 1.0F) + (odds != nullptr ? odds[x] : 0.0F));
+      out[x] = person ? std::max(out[x], together) : std::min(out[x], together);
     }
   }
 }
@@ -98,7 +101,7 @@ void MotionDetector::reset() {
   references_.clear();
   turn_ = 0;
   propagation_.reset();
-  velocity_ = SE3::Identity();
+  velocity_ = T_odometry_camera_ = SE3::Identity();
   velocity_dt_s_ = 0.0;
 }
 
@@ -107,6 +110,7 @@ void MotionDetector::start(const RgbdFrame& frame) {
   camera_ = frame.camera;
   grid_ = std::make_unique<WorkGrid>(frame.camera, config_.flow.width_px);
   memory_.reset(grid_->size());
+  propagation_.reset(grid_.get());
   dynamic_probability_ = cv::Mat1f(grid_->size(), 0.0F);
 }
 
@@ -121,6 +125,7 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
     start(frame);
     previous_ = makeGridFrame(frame, *grid_);
     propagation_.addFrame(frame.stamp, grid_->size(), {});
+    propagation_.setPlace(previous_, T_odometry_camera_);
     MotionResult first;
     first.dynamic = first.moving = cv::Mat1b::zeros(full_size);
     return first;
@@ -142,7 +147,7 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
   }
   propagation_.setMoving(estimate.moving);
 
-  const MotionResult result = compose(estimate, flow_cells, surface.semantic, full_size);
+  const MotionResult result = compose(current, estimate, flow_cells, surface.semantic, full_size);
   if (config_.model == "rigid_flow") keepReference(current);
   previous_ = current;
   return result;
@@ -178,6 +183,7 @@ MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& cur
   if (!camera.valid) {
     // Too little depth, or nothing that stands still: a homography is the better guess, and the past is of no use.
     references_.clear();
+    propagation_.forgetPlaces();
     velocity_dt_s_ = 0.0;
     memory_.carry(source, dt_s);
     return explainByHomography(current, flow_cells, static_weight);
@@ -185,6 +191,8 @@ MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& cur
   velocity_ = camera.T_previous_current;
   velocity_dt_s_ = dt_s;
   advanceReferences(camera);
+  T_odometry_camera_ = T_odometry_camera_ * camera.T_previous_current;
+  propagation_.setPlace(current, T_odometry_camera_);
 
   Estimate estimate;
   const RigidFlowResidual residual =
@@ -220,8 +228,8 @@ void MotionDetector::keepReference(const GridFrame& current) {
   if (references_.size() > kReferences) references_.pop_front();
 }
 
-MotionResult MotionDetector::compose(const Estimate& estimate, const cv::Mat2f& flow_cells, const cv::Mat1f& semantic,
-                                     cv::Size full_size) {
+MotionResult MotionDetector::compose(const GridFrame& current, const Estimate& estimate, const cv::Mat2f& flow_cells,
+                                     const cv::Mat1f& semantic, cv::Size full_size) {
   dynamic_probability_ = movingProbability(estimate.moving, estimate.log_odds, grid_->size());
   cv::Mat1b dynamic, moving;
   dynamic_probability_.convertTo(moving, CV_8U, 255.0);
@@ -230,7 +238,7 @@ MotionResult MotionDetector::compose(const Estimate& estimate, const cv::Mat2f& 
   if (semantic.empty()) {
     result.dynamic = result.moving;
   } else {
-    addMasks(semantic, estimate.log_odds, dynamic_probability_);
+    addMasks(semantic, estimate.log_odds, current.depth_m, dynamic_probability_);
     dynamic_probability_.convertTo(dynamic, CV_8U, 255.0);
     cv::resize(dynamic, result.dynamic, full_size, 0, 0, cv::INTER_LINEAR);
   }

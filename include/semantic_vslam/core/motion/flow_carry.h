@@ -10,7 +10,7 @@ namespace semantic_vslam {
 /// @param flow_cells  grid size, cells: x - (position in the previous frame)
 /// @param previous_depth_m, depth_m  grid size, metres, 0 = none  @param dt_s  time between the frames
 /// @return grid size, cells; NaN where the flow comes from outside the image, and where the surface cannot be the one
-///         that was there because it lies behind it: background that a moving thing uncovered
+///         that was there because it lies behind it or in a hole: background that something uncovered
 cv::Mat2f traceBack(const cv::Mat2f& flow_cells, const cv::Mat1f& previous_depth_m, const cv::Mat1f& depth_m,
                     double dt_s);
 

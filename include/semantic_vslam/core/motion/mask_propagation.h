@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
+#include "semantic_vslam/core/motion/label_memory.h"
 #include "semantic_vslam/core/motion/motion_config.h"
 #include "semantic_vslam/core/motion/work_grid.h"
 #include "semantic_vslam/core/segmentation/label_set.h"
@@ -24,13 +25,18 @@ class MaskPropagation {
 
   void setConfig(const MaskPropagationConfig& config) { config_ = config; }
 
-  void reset();
+  /// @param grid  of the frames to come; must outlive them. Null: labels are not weighed against earlier ones
+  void reset(const WorkGrid* grid = nullptr);
   /// Advances to a new frame.
   /// @param source  where each cell was in the frame before, of traceBack(); empty for the first frame
   void addFrame(Stamp stamp, cv::Size grid_size, const cv::Mat2f& source);
   /// @param moving  what flow and depth showed of the newest frame, grid size, not 0 = moving: Fi of eq. (5); empty:
   /// nothing was seen to move
   void setMoving(const cv::Mat1b& moving);
+  /// @param T_odometry_camera  pose of the newest frame since reset() or forgetPlaces()
+  void setPlace(const GridFrame& newest, const SE3& T_odometry_camera);
+  /// The camera's motion to the newest frame is unknown: no surface of it can be found in earlier ones.
+  void forgetPlaces();
   /// Takes the labels of an earlier frame. People are dynamic; movable things are where enough of them moved, eq. (5).
   /// @return false if the frame is not kept any more (too late) or never was: the labels are ignored
   bool addLabels(Stamp stamp, const cv::Mat1b& labels, const LabelSet& label_set);
@@ -47,13 +53,14 @@ class MaskPropagation {
     Stamp stamp;
     cv::Mat2f source;  // empty for the first
     cv::Mat1b moving;
+    std::optional<PlacedSurfaces> surfaces;  // none: the pose is unknown
   };
 
-  /// A frame's labels, tempered by what those before them said of the same surface.
-  cv::Mat1f agreed(cv::Mat1f fresh, const Entry& entry) const;
   cv::Mat1f dynamicOf(const Entry& entry, const cv::Mat1b& labels, const LabelSet& label_set) const;
 
   MaskPropagationConfig config_;
+  const WorkGrid* grid_ = nullptr;
+  LabelMemory memory_;
   std::deque<Entry> entries_;
   cv::Mat1f mask_;    // of the labels' own frame, 0 .. 1
   cv::Mat2f origin_;  // position in that frame of each present cell; NaN = lost

@@ -58,8 +58,8 @@ class MotionDetector {
                               const cv::Mat1f& static_weight);
   void advanceReferences(const CameraMotion& camera);
   void keepReference(const GridFrame& current);
-  MotionResult compose(const Estimate& estimate, const cv::Mat2f& flow_cells, const cv::Mat1f& semantic,
-                       cv::Size full_size);
+  MotionResult compose(const GridFrame& current, const Estimate& estimate, const cv::Mat2f& flow_cells,
+                       const cv::Mat1f& semantic, cv::Size full_size);
 
   MotionConfig config_;
   DenseFlow dense_flow_;
@@ -71,6 +71,7 @@ class MotionDetector {
   cv::Mat1f dynamic_probability_;   // of the previous frame, grid size
   SE3 velocity_ = SE3::Identity();  // T_previous_current of the last frame
   double velocity_dt_s_ = 0.0;
+  SE3 T_odometry_camera_ = SE3::Identity();  // of the last frame; chained motions, drifts
   std::deque<DepthReference> references_;  // oldest first
   std::size_t turn_ = 0;                   // of the references
 };

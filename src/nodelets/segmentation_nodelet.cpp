@@ -45,7 +45,8 @@ struct SegmentationNodeletConfig {
 
 /// Images of keyframes -> segmentation/labels (mono8, index into label_info), segmentation/label_info (latched),
 /// segmentation/overlay when watched. While the tracker has no keyframe every image is offered, so that it can
-/// initialise without people. Newest wins: what the network has no time for is never labelled.
+/// initialise without people, and one now and then where no keyframes come. Newest wins: what the network has no time
+/// for is never labelled.
 class SegmentationNodelet final : public StageNodelet {
  public:
   ~SegmentationNodelet() override;
@@ -59,6 +60,9 @@ class SegmentationNodelet final : public StageNodelet {
   void onKeyframe(const KeyframeStampedConstPtr& message);
   void onKeyframePoses(const KeyframePoseArrayConstPtr& message);
 
+  /// Whether an image is to be labelled although it is no keyframe.
+  bool isWanted(Stamp stamp) const;
+
   // Worker thread
   void step(Stamp stamp);
   void publish(const std_msgs::Header& header, const RgbdFrame& frame, const cv::Mat1b& labels);
@@ -66,6 +70,7 @@ class SegmentationNodelet final : public StageNodelet {
   SegmentationNodeletConfig config_;
   std::optional<SegmentationStage> stage_;  // worker only; none without a network
   std::atomic<bool> network_failed_{false};
+  std::atomic<Stamp> last_labelled_{Stamp()};
   std::atomic<bool> keyframe_seen_{true};  // until the worker can get at the images
 
   ros::Publisher labels_publisher_, info_publisher_, overlay_publisher_;
@@ -120,11 +125,16 @@ void SegmentationNodelet::run(ros::NodeHandle nh, ros::NodeHandle private_nh) {
   worker_ = std::make_unique<Worker<Stamp>>(
       1, QueuePolicy::kDropOldest, [this](Stamp stamp) { step(stamp); }, WorkerPriority::kKeyframes);
   frames_ = std::make_unique<KeptFrames>(nh, private_nh, config_.frames, [this](Stamp stamp) {
-    if (!keyframe_seen_) worker_->push(stamp);
+    if (isWanted(stamp)) worker_->push(stamp);
   });
   keyframe_seen_ = false;
   keyframe_subscriber_ = nh.subscribe("tracking/keyframe", 10, &SegmentationNodelet::onKeyframe, this);
   keyframe_poses_subscriber_ = nh.subscribe("tracking/keyframe_poses", 1, &SegmentationNodelet::onKeyframePoses, this);
+}
+
+bool SegmentationNodelet::isWanted(Stamp stamp) const {
+  if (!keyframe_seen_) return true;
+  return worker_->waiting() == 0 && config_.segmentation.labelsAreDue(last_labelled_, stamp);
 }
 
 void SegmentationNodelet::report(StageDiagnostics::Status& status) {
@@ -145,6 +155,7 @@ void SegmentationNodelet::step(Stamp stamp) {
   const std::optional<RgbdMessages> messages = frames_->waitFor(stamp);
   if (!messages) return;
   const StageDiagnostics::Step timer(*diagnostics_, stamp);
+  last_labelled_ = stamp;
   const std::optional<RgbdFrame> frame = frames_->convert(*messages);
   if (!frame) return;
   const cv::Mat1b labels = stage_->process(*frame);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/motion/label_memory.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -12,11 +13,15 @@ namespace {
 constexpr std::size_t kMostViews = 8;
 constexpr double kSpacingS = 0.5;  // nearer than this they repeat each other's errors
 constexpr double kOldestS = 10.0;  // the odometry has drifted then
-// Same surface: this near in depth, with what odometry drifts and with the noise of both depths (4 sigma of 3 mm at 1 m,
-// growing with the square of depth).
+// Same surface: this near in depth, with what odometry drifts and with the noise of both depths (4 sigma of 3 mm at 1
+// m, growing with the square of depth).
 constexpr double kSameSurfaceM = 0.05, kDriftMetresPerSecond = 0.02;
 constexpr float kDepthNoisePerM = 0.012F;
-constexpr float kNearestM = 0.1F;  // nearer than this to the earlier camera, nothing was seen
+// Share of the votes that makes a person as likely as not: networks miss who sits behind a desk oftener than they see
+// people in one, and a person in the map costs more than a desk that is missing for a while. From kSureShare on the
+// votes count like those that nobody contradicts.
+constexpr float kLikelyShare = 1.0F / 3.0F, kSureShare = 0.6F;
+constexpr float kNearestM = 0.1F;    // nearer than this to the earlier camera, nothing was seen
 
 /// Depths to look surfaces up by: a hole (a black screen, a lamp) lies about where its farther edge does.
 void surfaceDepths(const PlacedSurfaces& surfaces, int row, std::vector<float>& depth_m) {
@@ -59,7 +64,12 @@ cv::Mat1f LabelMemory::weigh(const cv::Mat1f& dynamic, const PlacedSurfaces& sur
     views_.push_back({surfaces, dynamic});
     if (views_.size() > kMostViews) views_.pop_front();
   }
-  return sum / votes;
+  cv::Mat1f mean = sum / votes;
+  changeCells(mean, [](float share) {
+    const float sureness = 0.5F * (share - kLikelyShare) / (kSureShare - kLikelyShare);
+    return std::clamp(0.5F + sureness, 0.0F, 1.0F);
+  });
+  return mean;
 }
 
 }  // namespace semantic_vslam

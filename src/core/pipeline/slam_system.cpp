@@ -42,6 +42,7 @@ SlamSystem::SlamSystem(const SystemConfig& config, Mode mode, SegmentationStage 
       segmentation_(std::move(segmentation)),
       slam_(config.slam, mode),
       dense_(config.dense, segmentation_.labels()),
+      network_works_(segmentation_.enabled()),
       keyframe_jobs_(kKeyframeJobs, QueuePolicy::kBlock) {
   validateConfig(config_);
   if (mode_ == Mode::kBackground) worker_ = std::thread([this] { work(); });
@@ -93,7 +94,7 @@ StepResult SlamSystem::track(ObservedFrame observed) {
 }
 
 SlamSystem::FirstLabels SlamSystem::firstLabels(const RgbdFrame& frame, const MotionResult& motion) const {
-  if (slam_.keyframeCount() > 0 || !segmentation_.enabled()) return FirstLabels::kNotNeeded;
+  if (slam_.keyframeCount() > 0 || !network_works_) return FirstLabels::kNotNeeded;
   if (motion.labels && secondsBetween(*motion.labels, frame.stamp) < kFirstLabelsHoldS) return FirstLabels::kCarried;
   return candidate_ ? FirstLabels::kMissing : FirstLabels::kWanted;
 }
@@ -101,6 +102,7 @@ SlamSystem::FirstLabels SlamSystem::firstLabels(const RgbdFrame& frame, const Mo
 cv::Mat1b SlamSystem::segment(const RgbdFrame& frame) {
   auto timer = times_.scope("segmentation", frame.index);
   const cv::Mat1b labels = segmentation_.process(frame);
+  network_works_ = segmentation_.enabled();
   if (!labels.empty()) {
     std::lock_guard<std::mutex> lock(late_mutex_);
     late_labels_.push_back({frame.stamp, labels});
@@ -135,19 +137,31 @@ void SlamSystem::passOn(const SparseStep& step, KeyframeJob job) {
   } else if (step.keyframe) {
     job.id = *step.keyframe;
     submit(std::move(job));
+  } else if (network_works_ && keyframe_jobs_.size() == 0 &&
+             config_.segmentation.labelsAreDue(last_segmented_, job.frame.stamp)) {
+    submit(std::move(job));
   }
 }
 
 void SlamSystem::submit(KeyframeJob job) {
+  last_segmented_ = job.frame.stamp;
   if (mode_ == Mode::kSynchronous) {
-    mapKeyframe(std::move(job));
+    finishJob(std::move(job));
   } else {
     keyframe_jobs_.push(std::move(job));
   }
 }
 
+void SlamSystem::finishJob(KeyframeJob job) {
+  if (job.id.valid()) {
+    mapKeyframe(std::move(job));
+  } else {
+    segment(job.frame);
+  }
+}
+
 void SlamSystem::mapKeyframe(KeyframeJob job) {
-  if (job.labels.empty() && segmentation_.enabled()) {
+  if (job.labels.empty() && network_works_) {
     if (!finishing_ && keyframe_jobs_.size() > kMostBehindSegmentation) {
       ++passed_over_;
       return;
@@ -170,7 +184,7 @@ void SlamSystem::mapPlaced() {
 
 void SlamSystem::work() {
   lowerThreadPriority();
-  while (auto job = keyframe_jobs_.pop()) mapKeyframe(std::move(*job));
+  while (auto job = keyframe_jobs_.pop()) finishJob(std::move(*job));
 }
 
 void SlamSystem::finish() {

@@ -75,6 +75,21 @@ TEST(MaskPropagationTest, LosesTheMaskWhereBackgroundIsUncovered) {
   EXPECT_TRUE(std::isnan(propagation.dynamicNow()(15, 15)));
 }
 
+TEST(MaskPropagationTest, LosesTheMaskWhereAHoleIsUncovered) {
+  MaskPropagation propagation{MaskPropagationConfig()};
+  cv::Mat1f black_screen = evenDepth();
+  black_screen(cv::Rect(10, 10, 10, 10)) = 0.0F;
+  addFrame(propagation, 0.0, {});
+  ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.0), labelsWithBlock(kPerson, {0, 0, 30, 30}), labelSet()));
+  const cv::Mat2f at_rest(kHeight, kWidth, cv::Vec2f(0.0F, 0.0F));
+  addFrame(propagation, 0.03, traceBack(at_rest, evenDepth(), black_screen, 0.03));
+  EXPECT_TRUE(std::isnan(propagation.dynamicNow()(15, 15))) << "who stood before the screen has gone";
+  EXPECT_GT(propagation.dynamicNow()(5, 5), 0.9F);
+  ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.03), labelsWithBlock(kPerson, {0, 0, 30, 30}), labelSet()));
+  addFrame(propagation, 0.06, traceBack(at_rest, black_screen, black_screen, 0.03));
+  EXPECT_GT(propagation.dynamicNow()(15, 15), 0.9F) << "a hole that stays, in dark clothes, is carried";
+}
+
 TEST(MaskPropagationTest, TrustFadesWithTheConfiguredTime) {
   MaskPropagationConfig config;
   config.time_constant_s = 0.5;
@@ -100,32 +115,6 @@ TEST(MaskPropagationTest, MovableThingsCountOnlyIfEnoughOfThemMoved) {
   const cv::Mat1f dynamic = propagation.dynamicNow();
   EXPECT_GT(dynamic(10, 7), 0.9F);
   EXPECT_LT(dynamic(10, 25), 0.1F);
-}
-
-TEST(MaskPropagationTest, LabelsThatContradictThoseBeforeMustInsist) {
-  MaskPropagation propagation{MaskPropagationConfig()};
-  const cv::Mat1b nobody = cv::Mat1b::zeros(kHeight * kCellPx, kWidth * kCellPx);
-  const cv::Mat1b person = labelsWithBlock(kPerson, {10, 10, 10, 10});
-  addFrame(propagation, 0.0, {});
-  ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.0), nobody, labelSet()));
-  addFrame(propagation, 0.4, shift(0.0F, 0.0F));
-  ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.4), person, labelSet()));
-  EXPECT_LT(propagation.dynamicNow()(15, 15), 0.5F) << "that was a desk just now";
-  for (const double seconds : {0.8, 1.2}) {
-    addFrame(propagation, seconds, shift(0.0F, 0.0F));
-    ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(seconds), person, labelSet()));
-  }
-  EXPECT_GT(propagation.dynamicNow()(15, 15), 0.5F);
-}
-
-TEST(MaskPropagationTest, WhoComesIntoViewIsBelievedAtOnce) {
-  MaskPropagation propagation{MaskPropagationConfig()};
-  addFrame(propagation, 0.0, {});
-  ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.0), cv::Mat1b::zeros(kHeight * kCellPx, kWidth * kCellPx),
-                                    labelSet()));
-  addFrame(propagation, 0.1, shift(20.0F, 0.0F));  // the left half of the picture is new
-  ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.1), labelsWithBlock(kPerson, {5, 10, 10, 10}), labelSet()));
-  EXPECT_GT(propagation.dynamicNow()(15, 10), 0.9F);
 }
 
 TEST(MaskPropagationTest, IgnoresLabelsOfFramesItDoesNotKnow) {

@@ -134,6 +134,27 @@ TEST(MotionDetectorTest, OldMaskGivesWayToASurfaceThatStandsStill) {
   EXPECT_LT(dynamic[59], 128);  // two seconds, and nothing but rest since
 }
 
+TEST(MotionDetectorTest, ADeskCalledAPersonOnceStaysADesk) {
+  MotionDetector detector{MotionConfig()};
+  LabelSet labels;
+  labels.classes.push_back({"person", Mobility::kPerson, {}});
+  const cv::Mat1b nobody = cv::Mat1b::zeros(240, 320), everywhere(240, 320, static_cast<uchar>(1));
+  const auto dynamicShareWith = [&](const cv::Mat1b& seen, int from) {
+    MotionResult result;
+    for (int i = from; i < from + 20; ++i) {
+      result = detector.detect(texturedFrame(i, 2.0F, 0));
+      if (i > from) continue;
+      EXPECT_TRUE(detector.addLabels(Stamp::fromSeconds(1.0 + 0.033 * i), seen, labels));
+    }
+    return result.dynamic_share;
+  };
+  EXPECT_EQ(dynamicShareWith(nobody, 0), 0.0);
+  EXPECT_EQ(dynamicShareWith(nobody, 20), 0.0);
+  EXPECT_EQ(dynamicShareWith(everywhere, 40), 0.0);
+  for (const int from : {60, 80, 100, 120}) dynamicShareWith(everywhere, from);
+  EXPECT_GT(dynamicShareWith(everywhere, 140), 0.9) << "a network that insists is believed";
+}
+
 TEST(MotionDetectorTest, StampThatGoesBackStartsAnew) {
   MotionDetector detector{MotionConfig()};
   detector.detect(texturedFrame(5, 2.0F, 0));

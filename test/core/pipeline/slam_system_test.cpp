@@ -194,6 +194,39 @@ TEST(SlamSystem, NoPersonEntersTheMap) {
   EXPECT_LT(shareOnPeople(cloud, walkingFrames().front().T_world_camera * T_map_first.inverse()), 0.01);
 }
 
+/// Says that there is nobody, and counts how often it is asked.
+class CountingSegmenter final : public Segmenter {
+ public:
+  explicit CountingSegmenter(int& count) : count_(count) {}
+  const LabelSet& labels() const override { return labels_; }
+  cv::Mat1b segment(const cv::Mat3b& bgr) override {
+    ++count_;
+    return cv::Mat1b::zeros(bgr.size());
+  }
+
+ private:
+  int& count_;
+  LabelSet labels_ = syntheticLabels();
+};
+
+TEST(SlamSystem, ACameraThatStandsStillIsStillTold) {
+  for (const double longest_gap_s : {0.5, 3600.0}) {
+    SystemConfig config;
+    config.segmentation.longest_gap_s = longest_gap_s;
+    int asked = 0;
+    SlamSystem system(config, SlamSystem::Mode::kSynchronous, std::make_unique<CountingSegmenter>(asked));
+    constexpr int kFrames = 60;  // 2 s
+    for (int i = 0; i < kFrames; ++i) {
+      RgbdFrame frame = walkingFrames()[0].frame;
+      frame.index = static_cast<std::uint64_t>(i);
+      frame.stamp = Stamp{frame.stamp.ns + i * 33333333LL};
+      system.step(frame);
+    }
+    EXPECT_EQ(system.slam().keyframeCount(), 1U);
+    EXPECT_EQ(asked, longest_gap_s < 1.0 ? 4 : 1) << "at 0, 0.5, 1.0 and 1.5 s; or the keyframe alone";
+  }
+}
+
 TEST(SlamSystem, AFrameThatIsNotNewerIsPassedOver) {
   SlamSystem system(SystemConfig(), SlamSystem::Mode::kSynchronous);
   const auto& frames = walkingFrames();

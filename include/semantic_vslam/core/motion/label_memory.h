@@ -25,7 +25,8 @@ class LabelMemory {
  public:
   void clear() { views_.clear(); }
   /// Remembers the labels as they came.
-  /// @param dynamic  what the labels say, 0 .. 1, grid size  @return the mean of all that is said of each surface
+  /// @param dynamic  what the labels say, 0 .. 1, grid size
+  /// @return what all of them say of each surface together, 0 .. 1; 0.5 where a third of them sees a person
   cv::Mat1f weigh(const cv::Mat1f& dynamic, const PlacedSurfaces& surfaces, const WorkGrid& grid);
 
  private:

@@ -77,9 +77,9 @@ class SlamSystem {
   std::size_t keyframesPassedOver() const { return passed_over_; }
 
  private:
-  /// A keyframe on its way into the dense map.
+  /// A keyframe on its way into the dense map, or a frame between keyframes that is only segmented.
   struct KeyframeJob {
-    KeyframeId id;
+    KeyframeId id;  ///< invalid: only segmented
     RgbdFrame frame;
     cv::Mat1b dynamic, moving;
     cv::Mat1b labels;  ///< empty: not segmented yet
@@ -106,6 +106,7 @@ class SlamSystem {
   cv::Mat1b removalMask(const cv::Mat1b& labels, const cv::Mat1b& moving) const;
   void passOn(const SparseStep& step, KeyframeJob job);
   void submit(KeyframeJob job);
+  void finishJob(KeyframeJob job);
   void mapKeyframe(KeyframeJob job);
   /// Adds the waiting keyframes whose place in the world is known by now to the dense map.
   void mapPlaced();
@@ -120,10 +121,12 @@ class SlamSystem {
   DenseMapper dense_;                     // used by the worker
   WaitingKeyframes waiting_;              // used by the worker
   std::optional<Stamp> last_stamp_;       // used by observe()
+  Stamp last_segmented_;                  // used by track()
   std::optional<KeyframeJob> candidate_;  ///< k1, until initialisation has made it the first keyframe
 
   std::mutex late_mutex_;
   std::deque<LateLabels> late_labels_;  // guarded by late_mutex_
+  std::atomic<bool> network_works_;     ///< there is one, and it has not failed
   std::atomic<bool> finishing_{false};  ///< nobody waits for tracking any more
   std::atomic<std::size_t> passed_over_{0};
   BoundedQueue<KeyframeJob> keyframe_jobs_;

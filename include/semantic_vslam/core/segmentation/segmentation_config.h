@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "semantic_vslam/core/common/stamp.h"
 #include "semantic_vslam/core/segmentation/depth_refinement.h"
 
 namespace semantic_vslam {
@@ -15,6 +16,7 @@ struct SegmentationConfig {
   std::string provider = "auto";
   int threads = 1;
   int arena_mb = 512;
+  double longest_gap_s = 1.0;
   double phi = 0.4;
   RefinementConfig refinement;
 
@@ -37,7 +39,17 @@ struct SegmentationConfig {
     v.field("threads", threads, 1, 64,
             "threads of the network on the CPU; 1 leaves a two-core robot its tracking core");
     v.field("arena_mb", arena_mb, 16, 16384, "upper bound of the network's working memory, MiB");
+    v.field(
+        "longest_gap_s", longest_gap_s, 0.1, 3600.0,
+        "a frame is segmented this long after the last one although it is no keyframe, s: a robot that stands still "
+        "makes none, and who then stops in front of it must not be forgotten");
     v.group("refinement", refinement);
+  }
+
+  /// Whether a frame is to be segmented although it is no keyframe. @param last  frame that was segmented last
+  bool labelsAreDue(Stamp last, Stamp now) const {
+    const double gap_s = secondsBetween(last, now);
+    return gap_s < 0.0 || gap_s >= longest_gap_s;  // below 0: the recording began again
   }
 };
 

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/motion/label_memory.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "../support/quarter_vga.h"
+
+namespace semantic_vslam {
+namespace {
+
+/// A desk front 1.5 m before a camera that moves to the right, and what a network says of it.
+class LabelMemoryTest : public testing::Test {
+ protected:
+  static constexpr float kDeskM = 1.5F;
+  static constexpr double kOneOfTwo = 0.8125;  // 0.5 at a third of the votes, 1 at six tenths
+
+  PlacedSurfaces desk(double seconds, double right_m = 0.0) const {
+    const cv::Mat1f depth_m(grid.size(), kDeskM);
+    PlacedSurfaces surfaces{Stamp::fromSeconds(seconds), depth_m, depth_m, SE3::Identity()};
+    surfaces.T_odometry_camera.translation().x() = right_m;
+    return surfaces;
+  }
+  cv::Mat1f everywhere(float dynamic) const { return cv::Mat1f(grid.size(), dynamic); }
+  float weighed(float dynamic, const PlacedSurfaces& surfaces, cv::Point cell) {
+    return memory.weigh(everywhere(dynamic), surfaces, grid)(cell);
+  }
+
+  WorkGrid grid{std::make_shared<const CameraModel>(quarterVga()), 160};
+  const cv::Point middle{grid.size().width / 2, grid.size().height / 2};
+  LabelMemory memory;
+};
+
+TEST_F(LabelMemoryTest, OneMistakeIsOutvotedAndAMajorityIsBelieved) {
+  EXPECT_FLOAT_EQ(weighed(0.0F, desk(0.0), middle), 0.0F);
+  EXPECT_FLOAT_EQ(weighed(0.0F, desk(1.0), middle), 0.0F);
+  EXPECT_FLOAT_EQ(weighed(0.0F, desk(2.0), middle), 0.0F);
+  EXPECT_LT(weighed(1.0F, desk(3.0), middle), 0.5F) << "one of four";
+  EXPECT_GT(weighed(1.0F, desk(4.0), middle), 0.5F) << "two of five";
+  EXPECT_LT(weighed(1.0F, desk(5.0), middle), 1.0F) << "three of six";
+  for (const double seconds : {6.0, 7.0}) weighed(1.0F, desk(seconds), middle);
+  EXPECT_FLOAT_EQ(weighed(1.0F, desk(8.0), middle), 1.0F) << "seven of nine";
+}
+
+TEST_F(LabelMemoryTest, ThePlaceIsFoundAgainAfterTheCameraHasMoved) {
+  cv::Mat1f left_half = everywhere(0.0F);
+  left_half(cv::Rect(0, 0, middle.x, grid.size().height)) = 1.0F;
+  memory.weigh(left_half, desk(0.0), grid);
+  // 0.3 m to the right at 1.5 m: the edge lies a fifth of the focal length farther left.
+  const int edge = middle.x - static_cast<int>(0.2F * grid.focalCells());
+  const cv::Mat1f mean = memory.weigh(everywhere(0.0F), desk(1.0, 0.3), grid);
+  EXPECT_NEAR(mean(middle.y, edge - 2), kOneOfTwo, 1e-5);
+  EXPECT_NEAR(mean(middle.y, edge + 2), 0.0, 1e-5);
+  EXPECT_NEAR(mean(middle.y, grid.size().width - 1), 0.0, 1e-5) << "was not in view, nobody votes";
+}
+
+TEST_F(LabelMemoryTest, WhoStepsInFrontIsBelievedAtOnce) {
+  for (const double seconds : {0.0, 1.0, 2.0}) weighed(0.0F, desk(seconds), middle);
+  PlacedSurfaces person = desk(3.0);
+  person.depth_m = person.depth_high_m = cv::Mat1f(grid.size(), kDeskM - 0.3F);
+  EXPECT_FLOAT_EQ(weighed(1.0F, person, middle), 1.0F);
+  EXPECT_LT(weighed(1.0F, desk(4.0), middle), 0.5F) << "the desk behind is still known when the person has gone";
+}
+
+TEST_F(LabelMemoryTest, AHoleIsTheHoleThatWasThere) {
+  PlacedSurfaces screen = desk(0.0);
+  screen.depth_m = screen.depth_m.clone();  // the surroundings stay
+  screen.depth_m(middle) = 0.0F;
+  weighed(0.0F, screen, middle);
+  screen.stamp = Stamp::fromSeconds(1.0);
+  EXPECT_NEAR(weighed(1.0F, screen, middle), kOneOfTwo, 1e-5);
+  EXPECT_FLOAT_EQ(weighed(1.0F, desk(2.0), middle), 1.0F) << "a surface where there was none is new";
+}
+
+TEST_F(LabelMemoryTest, HoldsForTenSecondsAndNoLonger) {
+  weighed(0.0F, desk(0.0), middle);
+  EXPECT_NEAR(weighed(1.0F, desk(9.9), middle), kOneOfTwo, 1e-5);
+  EXPECT_FLOAT_EQ(weighed(1.0F, desk(20.0), middle), 1.0F);
+  memory.clear();
+  EXPECT_FLOAT_EQ(weighed(1.0F, desk(20.1), middle), 1.0F);
+}
+
+TEST_F(LabelMemoryTest, LabelsInQuickSuccessionCountOnce) {
+  for (int i = 0; i < 5; ++i) weighed(0.0F, desk(0.05 * i), middle);
+  EXPECT_NEAR(weighed(1.0F, desk(0.3), middle), kOneOfTwo, 1e-5);
+}
+
+}  // namespace
+}  // namespace semantic_vslam

@@ -231,16 +231,17 @@ void MotionDetector::keepReference(const GridFrame& current) {
 MotionResult MotionDetector::compose(const GridFrame& current, const Estimate& estimate, const cv::Mat2f& flow_cells,
                                      const cv::Mat1f& semantic, cv::Size full_size) {
   dynamic_probability_ = movingProbability(estimate.moving, estimate.log_odds, grid_->size());
-  cv::Mat1b dynamic, moving;
-  dynamic_probability_.convertTo(moving, CV_8U, 255.0);
+  cv::Mat1b moving_cells, dynamic_cells;
+  dynamic_probability_.convertTo(moving_cells, CV_8U, 255.0);
   MotionResult result;
-  cv::resize(moving, result.moving, full_size, 0, 0, cv::INTER_LINEAR);
+  cv::resize(moving_cells, result.moving, full_size, 0, 0, cv::INTER_LINEAR);
   if (semantic.empty()) {
     result.dynamic = result.moving;
+    dynamic_cells = moving_cells;
   } else {
     addMasks(semantic, estimate.log_odds, current.depth_m, dynamic_probability_);
-    dynamic_probability_.convertTo(dynamic, CV_8U, 255.0);
-    cv::resize(dynamic, result.dynamic, full_size, 0, 0, cv::INTER_LINEAR);
+    dynamic_probability_.convertTo(dynamic_cells, CV_8U, 255.0);
+    cv::resize(dynamic_cells, result.dynamic, full_size, 0, 0, cv::INTER_LINEAR);
   }
   result.flow_px = flow_cells * grid_->cellPx();
   result.residual_px = estimate.residual_px;
@@ -248,7 +249,7 @@ MotionResult MotionDetector::compose(const GridFrame& current, const Estimate& e
   result.T_current_previous = estimate.camera.T_previous_current.inverse();
   result.inliers = estimate.inliers;
   result.labels = propagation_.maskStamp();
-  result.dynamic_share = static_cast<double>(cv::countNonZero(result.dynamic >= 128)) / result.dynamic.total();
+  result.dynamic_share = static_cast<double>(cv::countNonZero(dynamic_cells >= 128)) / dynamic_cells.total();
   return result;
 }
 

@@ -100,7 +100,9 @@ cv::Mat3b overlay(const RgbdFrame& frame, const cv::Mat1b& dynamic, const cv::Ma
 void writePictures(const std::string& folder, const RgbdFrame& frame, const MotionResult& result,
                    const cv::Mat1b& truth) {
   cv::Mat residual, panel;
-  cv::Mat left = overlay(frame, result.dynamic, truth), moving = overlay(frame, result.moving, {});
+  cv::Mat1b moving_px;
+  cv::resize(result.moving, moving_px, frame.gray.size());
+  cv::Mat left = overlay(frame, result.dynamic, truth), moving = overlay(frame, moving_px, {});
   if (result.residual_px.empty()) {
     residual = cv::Mat3b::zeros(frame.bgr.size());
   } else {

@@ -127,7 +127,8 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
     propagation_.addFrame(frame.stamp, grid_->size(), {});
     propagation_.setPlace(previous_, T_odometry_camera_);
     MotionResult first;
-    first.dynamic = first.moving = cv::Mat1b::zeros(full_size);
+    first.dynamic = cv::Mat1b::zeros(full_size);
+    first.moving = cv::Mat1b::zeros(grid_->size());
     return first;
   }
   const GridFrame current = makeGridFrame(frame, *grid_);
@@ -231,18 +232,15 @@ void MotionDetector::keepReference(const GridFrame& current) {
 MotionResult MotionDetector::compose(const GridFrame& current, const Estimate& estimate, const cv::Mat2f& flow_cells,
                                      const cv::Mat1f& semantic, cv::Size full_size) {
   dynamic_probability_ = movingProbability(estimate.moving, estimate.log_odds, grid_->size());
-  cv::Mat1b moving_cells, dynamic_cells;
-  dynamic_probability_.convertTo(moving_cells, CV_8U, 255.0);
   MotionResult result;
-  cv::resize(moving_cells, result.moving, full_size, 0, 0, cv::INTER_LINEAR);
-  if (semantic.empty()) {
-    result.dynamic = result.moving;
-    dynamic_cells = moving_cells;
-  } else {
+  dynamic_probability_.convertTo(result.moving, CV_8U, 255.0);
+  cv::Mat1b dynamic_cells = result.moving;
+  if (!semantic.empty()) {
     addMasks(semantic, estimate.log_odds, current.depth_m, dynamic_probability_);
+    dynamic_cells.release();
     dynamic_probability_.convertTo(dynamic_cells, CV_8U, 255.0);
-    cv::resize(dynamic_cells, result.dynamic, full_size, 0, 0, cv::INTER_LINEAR);
   }
+  cv::resize(dynamic_cells, result.dynamic, full_size, 0, 0, cv::INTER_LINEAR);
   result.flow_px = flow_cells * grid_->cellPx();
   result.residual_px = estimate.residual_px;
   result.model = estimate.model;

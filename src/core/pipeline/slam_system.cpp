@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/pipeline/slam_system.h"
 
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "semantic_vslam/core/common/config_fields.h"
@@ -121,7 +122,9 @@ void SlamSystem::takeLateLabels(Stamp now) {
 cv::Mat1b SlamSystem::removalMask(const cv::Mat1b& labels, const cv::Mat1b& moving) const {
   cv::Mat1b removal;
   if (!labels.empty()) {
-    decideDynamic(labels, segmentation_.labels(), moving, config_.segmentation.phi, &removal);
+    cv::Mat1b moving_px;
+    cv::resize(moving, moving_px, labels.size(), 0, 0, cv::INTER_LINEAR);
+    decideDynamic(labels, segmentation_.labels(), moving_px, config_.segmentation.phi, &removal);
   }
   return removal;
 }

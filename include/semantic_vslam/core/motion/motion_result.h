@@ -20,10 +20,10 @@ struct MotionResult {
   /// height x width, 8-bit: probability that the pixel is on a moving object, 0 = surely static, 255 = surely dynamic.
   /// 128 and more counts as dynamic. All 0 where no motion could be told (first frame, tracking of the flow lost).
   cv::Mat1b dynamic;
-  /// The same without semantic masks, by flow and depth alone: Fi of eq. (5).
+  /// The same without semantic masks, by flow and depth alone, on the motion stage's working grid: Fi of eq. (5).
   cv::Mat1b moving;
   /// Dense flow from n-1 to n seen in frame n: flow(x_n) = x_n - x_{n-1}; 2 x float32, px of the full image, on the
-  /// motion stage's working grid (a quarter of the image's width and height by default). Empty for the first frame.
+  /// working grid (a quarter of the image's width and height by default). Empty for the first frame.
   cv::Mat2f flow_px;
   /// Flow amplitude that the camera's motion does not explain, eq. (1); size of flow_px, px; NaN = unknown.
   /// Empty where no model held.

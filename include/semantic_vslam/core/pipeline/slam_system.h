@@ -81,7 +81,7 @@ class SlamSystem {
   struct KeyframeJob {
     KeyframeId id;  ///< invalid: only segmented
     RgbdFrame frame;
-    cv::Mat1b dynamic, moving;
+    cv::Mat1b dynamic, moving;  ///< of MotionResult
     cv::Mat1b labels;  ///< empty: not segmented yet
   };
   struct LateLabels {

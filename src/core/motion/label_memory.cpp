@@ -9,8 +9,8 @@
 namespace semantic_vslam {
 namespace {
 
-// Labels that vote: twice as many give a tenth of a per cent more overlap, at twice the cost (0.2 ms each).
-constexpr std::size_t kMostViews = 8;
+// Labels that vote: twice as many give half a per cent more overlap, at twice the cost (0.2 ms each).
+constexpr std::size_t kMostViews = 6;
 constexpr double kSpacingS = 0.5;  // nearer than this they repeat each other's errors
 constexpr double kOldestS = 10.0;  // the odometry has drifted then
 // Same surface: this near in depth, with what odometry drifts and with the noise of both depths (4 sigma of 3 mm at 1

@@ -264,7 +264,13 @@ void checkLinks(const Reader& in, const std::map<KeyframeId, Keyframe>& keyframe
                 const std::unordered_map<LandmarkId, Landmark>& landmarks) {
   for (const auto& [id, keyframe] : keyframes) {
     static_cast<void>(id);
-    in.require(!keyframe.parent.valid() || keyframes.count(keyframe.parent) > 0);
+    // Parents exist and lead to a root: no way up is longer than there are keyframes.
+    const Keyframe* up = &keyframe;
+    for (std::size_t steps = 0; up->parent.valid(); ++steps) {
+      const auto parent = keyframes.find(up->parent);
+      in.require(parent != keyframes.end() && steps < keyframes.size());
+      up = &parent->second;
+    }
     for (const KeyframeId edge : keyframe.loop_edges) in.require(keyframes.count(edge) > 0);
   }
   std::set<std::pair<KeyframeId, int>> taken;

@@ -135,16 +135,19 @@ TEST(MapFile, EveryBadFileIsOneClearErrorAndLeavesTheMapAlone) {
 }
 
 TEST(MapFile, ContentThatContradictsItselfIsRefusedEvenWithAFittingChecksum) {
-  // Keyframe 5 names keyframe 0 as a loop; without keyframe 0 in the file the link leads nowhere. Such a file is made
-  // by restoring a map without its first keyframe's observations and without the keyframe.
   const Map good = makeMap();
-  std::map<KeyframeId, Keyframe> keyframes = good.keyframes();
-  keyframes.erase(KeyframeId(0));
-  Map broken;
-  broken.restore(keyframes, {}, good.nextKeyframe(), good.nextLandmark());
-  Map map;
-  EXPECT_EQ(messageOf([&] { parseMap(serializeMap(broken), "x.map", map); }),
-            "map file 'x.map' is damaged: its content contradicts itself; save it anew");
+  const auto messageFor = [&good](std::map<KeyframeId, Keyframe> keyframes) {
+    Map broken, map;
+    broken.restore(std::move(keyframes), {}, good.nextKeyframe(), good.nextLandmark());
+    return messageOf([&] { parseMap(serializeMap(broken), "x.map", map); });
+  };
+  const std::string contradiction = "map file 'x.map' is damaged: its content contradicts itself; save it anew";
+  std::map<KeyframeId, Keyframe> without_first = good.keyframes();
+  without_first.erase(KeyframeId(0));  // keyframe 5 names it as a loop
+  EXPECT_EQ(messageFor(without_first), contradiction);
+  std::map<KeyframeId, Keyframe> circle = good.keyframes();
+  circle.at(KeyframeId(0)).parent = KeyframeId(5);  // whose parents lead back to it
+  EXPECT_EQ(messageFor(circle), contradiction);
 }
 
 TEST(MapFile, SavesAndLoadsByPathAndNamesWhatIsMissing) {

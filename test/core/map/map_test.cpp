@@ -37,7 +37,8 @@ TEST_F(MapTest, AKeyframeMakesLandmarksWhereThePointsAre) {
   ASSERT_GT(map_.landmarks().size(), 100U);
   for (int i = 0; i < 300; ++i) {
     const Landmark* landmark = map_.landmark(landmark_of_point_[i]);
-    if (landmark) EXPECT_LT((landmark->position_world - scene_.points_world[i]).norm(), 1e-5);
+    if (landmark == nullptr) continue;
+    EXPECT_LT((landmark->position_world - scene_.points_world[i]).norm(), 1e-5);
   }
 }
 
@@ -152,7 +153,8 @@ TEST_F(MapTest, UnconfirmedLandmarksOfOldKeyframesAreDropped) {
   for (int i = 0; i < 2; ++i) newest = addView(cameraAt({15.0 + 5 * i, 0, 0}));
   cullRecentLandmarks(map_, newest, MapMaintenanceConfig());
   for (const auto& [id, landmark] : map_.landmarks()) {
-    if (newest.value() - landmark.created_in.value() == 3) EXPECT_GE(landmark.observations.size(), 2U) << id;
+    if (newest.value() - landmark.created_in.value() != 3) continue;
+    EXPECT_GE(landmark.observations.size(), 2U) << id;
   }
 }
 

@@ -21,7 +21,7 @@ constexpr float kDepthNoisePerM = 0.012F;
 // people in one, and a person in the map costs more than a desk that is missing for a while. From kSureShare on the
 // votes count like those that nobody contradicts.
 constexpr float kLikelyShare = 1.0F / 3.0F, kSureShare = 0.6F;
-constexpr float kNearestM = 0.1F;    // nearer than this to the earlier camera, nothing was seen
+constexpr float kNearestM = 0.1F;  // nearer than this to the earlier camera, nothing was seen
 
 /// Depths to look surfaces up by: a hole (a black screen, a lamp) lies about where its farther edge does.
 void surfaceDepths(const PlacedSurfaces& surfaces, int row, std::vector<float>& depth_m) {

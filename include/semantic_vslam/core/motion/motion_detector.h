@@ -72,8 +72,8 @@ class MotionDetector {
   SE3 velocity_ = SE3::Identity();  // T_previous_current of the last frame
   double velocity_dt_s_ = 0.0;
   SE3 T_odometry_camera_ = SE3::Identity();  // of the last frame; chained motions, drifts
-  std::deque<DepthReference> references_;  // oldest first
-  std::size_t turn_ = 0;                   // of the references
+  std::deque<DepthReference> references_;    // oldest first
+  std::size_t turn_ = 0;                     // of the references
 };
 
 }  // namespace semantic_vslam

@@ -82,7 +82,7 @@ class SlamSystem {
     KeyframeId id;  ///< invalid: only segmented
     RgbdFrame frame;
     cv::Mat1b dynamic, moving;  ///< of MotionResult
-    cv::Mat1b labels;  ///< empty: not segmented yet
+    cv::Mat1b labels;           ///< empty: not segmented yet
   };
   struct LateLabels {
     Stamp stamp;

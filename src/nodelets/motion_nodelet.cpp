@@ -39,7 +39,7 @@ struct MotionNodeletConfig {
 };
 
 /// Images -> motion/mask (mono8, probability 0..255 that a pixel is on a moving object), motion/flow_image when
-/// watched, motion/report. Labels of keyframes, late as they are, are carried forward into the mask.
+/// watched, motion/report. Labels, late as they are, are carried forward into the mask.
 class MotionNodelet final : public StageNodelet {
  public:
   ~MotionNodelet() override;

@@ -45,7 +45,7 @@ struct SegmentationNodeletConfig {
 
 /// Images of keyframes -> segmentation/labels (mono8, index into label_info), segmentation/label_info (latched),
 /// segmentation/overlay when watched. While the tracker has no keyframe every image is offered, so that it can
-/// initialise without people, and one now and then where no keyframes come. Newest wins: what the network has no time
+/// initialise without people, and twice a second where no keyframes come. Newest wins: what the network has no time
 /// for is never labelled.
 class SegmentationNodelet final : public StageNodelet {
  public:
@@ -65,13 +65,16 @@ class SegmentationNodelet final : public StageNodelet {
 
   // Worker thread
   void step(Stamp stamp);
+  void label(Stamp stamp);
   void publish(const std_msgs::Header& header, const RgbdFrame& frame, const cv::Mat1b& labels);
 
   SegmentationNodeletConfig config_;
   std::optional<SegmentationStage> stage_;  // worker only; none without a network
   std::atomic<bool> network_failed_{false};
+  std::atomic<bool> images_kept_{false};  // the worker can get at them
+  std::atomic<bool> keyframe_seen_{false};
+  std::atomic<bool> busy_{false};
   std::atomic<Stamp> last_labelled_{Stamp()};
-  std::atomic<bool> keyframe_seen_{true};  // until the worker can get at the images
 
   ros::Publisher labels_publisher_, info_publisher_, overlay_publisher_;
   std::unique_ptr<StageDiagnostics> diagnostics_;
@@ -127,14 +130,15 @@ void SegmentationNodelet::run(ros::NodeHandle nh, ros::NodeHandle private_nh) {
   frames_ = std::make_unique<KeptFrames>(nh, private_nh, config_.frames, [this](Stamp stamp) {
     if (isWanted(stamp)) worker_->push(stamp);
   });
-  keyframe_seen_ = false;
+  images_kept_ = true;
   keyframe_subscriber_ = nh.subscribe("tracking/keyframe", 10, &SegmentationNodelet::onKeyframe, this);
   keyframe_poses_subscriber_ = nh.subscribe("tracking/keyframe_poses", 1, &SegmentationNodelet::onKeyframePoses, this);
 }
 
 bool SegmentationNodelet::isWanted(Stamp stamp) const {
+  if (!images_kept_) return false;
   if (!keyframe_seen_) return true;
-  return worker_->waiting() == 0 && config_.segmentation.labelsAreDue(last_labelled_, stamp);
+  return !busy_ && worker_->waiting() == 0 && config_.segmentation.labelsAreDue(last_labelled_, stamp);
 }
 
 void SegmentationNodelet::report(StageDiagnostics::Status& status) {
@@ -151,15 +155,23 @@ void SegmentationNodelet::onKeyframePoses(const KeyframePoseArrayConstPtr& messa
 }
 
 void SegmentationNodelet::step(Stamp stamp) {
-  if (network_failed_) return;
+  if (network_failed_ || stamp == last_labelled_) return;  // labelled before it was named a keyframe
+  busy_ = true;
+  label(stamp);
+  busy_ = false;
+}
+
+void SegmentationNodelet::label(Stamp stamp) {
   const std::optional<RgbdMessages> messages = frames_->waitFor(stamp);
   if (!messages) return;
   const StageDiagnostics::Step timer(*diagnostics_, stamp);
-  last_labelled_ = stamp;
   const std::optional<RgbdFrame> frame = frames_->convert(*messages);
   if (!frame) return;
   const cv::Mat1b labels = stage_->process(*frame);
-  if (!labels.empty()) publish(messages->rgb->header, *frame, labels);
+  if (!labels.empty()) {
+    publish(messages->rgb->header, *frame, labels);
+    last_labelled_ = stamp;
+  }
   if (stage_->enabled()) return;
   network_failed_ = true;
   labels_publisher_.shutdown();  // so that nobody waits for labels any more

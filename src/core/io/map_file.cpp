@@ -12,6 +12,7 @@
 #include <memory>
 #include <set>
 #include <type_traits>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -262,15 +263,13 @@ Landmark readLandmark(Reader& in) {
 /// Checks what Map::restore takes for granted.
 void checkLinks(const Reader& in, const std::map<KeyframeId, Keyframe>& keyframes,
                 const std::unordered_map<LandmarkId, Landmark>& landmarks) {
+  std::unordered_set<KeyframeId> rooted;  // whose parents are known to lead to a root
   for (const auto& [id, keyframe] : keyframes) {
-    static_cast<void>(id);
-    // Parents exist and lead to a root: no way up is longer than there are keyframes.
-    const Keyframe* up = &keyframe;
-    for (std::size_t steps = 0; up->parent.valid(); ++steps) {
-      const auto parent = keyframes.find(up->parent);
-      in.require(parent != keyframes.end() && steps < keyframes.size());
-      up = &parent->second;
+    std::unordered_set<KeyframeId> way;
+    for (KeyframeId at = id; at.valid() && rooted.count(at) == 0; at = keyframes.at(at).parent) {
+      in.require(keyframes.count(at) > 0 && way.insert(at).second);
     }
+    rooted.insert(way.begin(), way.end());
     for (const KeyframeId edge : keyframe.loop_edges) in.require(keyframes.count(edge) > 0);
   }
   std::set<std::pair<KeyframeId, int>> taken;

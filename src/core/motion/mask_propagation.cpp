@@ -94,9 +94,10 @@ void MaskPropagation::setMoving(const cv::Mat1b& moving) {
   if (!entries_.empty() && !moving.empty()) entries_.back().moving = moving;
 }
 
-void MaskPropagation::setPlace(const GridFrame& newest, const SE3& T_odometry_camera) {
+void MaskPropagation::setPlace(const GridFrame& newest, const SE3& T_odometry_camera, const RigidFlowConfig& noise) {
   if (entries_.empty()) return;
-  entries_.back().surfaces = PlacedSurfaces{newest.stamp, newest.depth_m, newest.depth_high_m, T_odometry_camera};
+  entries_.back().surfaces = PlacedSurfaces{newest.stamp, newest.depth_m, newest.depth_high_m, T_odometry_camera,
+                                            static_cast<float>(noise.depth_sigma_at_1m_m)};
 }
 
 void MaskPropagation::forgetPlaces() {
@@ -119,7 +120,7 @@ cv::Mat1f MaskPropagation::dynamicOf(const Entry& entry, const cv::Mat1b& labels
 bool MaskPropagation::addLabels(Stamp stamp, const cv::Mat1b& labels, const LabelSet& label_set) {
   const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.stamp == stamp; });
   if (entry == entries_.end() || labels.empty()) return false;
-  if (hasMask() && stamp < mask_stamp_) return false;  // a newer one is being carried already
+  if (hasMask() && stamp <= mask_stamp_) return false;  // these or newer ones are being carried already
   mask_ = dynamicOf(*entry, labels, label_set);
   if (grid_ != nullptr && entry->surfaces) mask_ = memory_.weigh(mask_, *entry->surfaces, *grid_);
   mask_stamp_ = stamp;

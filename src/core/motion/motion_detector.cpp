@@ -95,12 +95,12 @@ void MotionDetector::setConfig(const MotionConfig& config) {
 }
 
 void MotionDetector::reset() {
+  propagation_.reset();
   grid_.reset();
   camera_.reset();
   previous_ = {};
   references_.clear();
   turn_ = 0;
-  propagation_.reset();
   velocity_ = T_odometry_camera_ = SE3::Identity();
   velocity_dt_s_ = 0.0;
 }
@@ -125,7 +125,7 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
     start(frame);
     previous_ = makeGridFrame(frame, *grid_);
     propagation_.addFrame(frame.stamp, grid_->size(), {});
-    propagation_.setPlace(previous_, T_odometry_camera_);
+    if (config_.model == "rigid_flow") propagation_.setPlace(previous_, T_odometry_camera_, config_.rigid);
     MotionResult first;
     first.dynamic = cv::Mat1b::zeros(full_size);
     first.moving = cv::Mat1b::zeros(grid_->size());
@@ -133,7 +133,7 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
   }
   const GridFrame current = makeGridFrame(frame, *grid_);
   const cv::Mat2f flow_cells = dense_flow_.compute(previous_.cell_gray, current.cell_gray);
-  const cv::Mat2f source = traceBack(flow_cells, previous_.depth_m, current.depth_m, dt_s);
+  const cv::Mat2f source = traceBack(flow_cells, previous_.depth_m, current.depth_m, current.depth_high_m, dt_s);
   propagation_.addFrame(frame.stamp, grid_->size(), source);
   const cv::Mat1f semantic = propagation_.dynamicNow();
   const cv::Mat1f static_weight = staticWeight(source, semantic);
@@ -193,7 +193,7 @@ MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& cur
   velocity_dt_s_ = dt_s;
   advanceReferences(camera);
   T_odometry_camera_ = T_odometry_camera_ * camera.T_previous_current;
-  propagation_.setPlace(current, T_odometry_camera_);
+  propagation_.setPlace(current, T_odometry_camera_, config_.rigid);
 
   Estimate estimate;
   const RigidFlowResidual residual =
@@ -234,12 +234,9 @@ MotionResult MotionDetector::compose(const GridFrame& current, const Estimate& e
   dynamic_probability_ = movingProbability(estimate.moving, estimate.log_odds, grid_->size());
   MotionResult result;
   dynamic_probability_.convertTo(result.moving, CV_8U, 255.0);
-  cv::Mat1b dynamic_cells = result.moving;
-  if (!semantic.empty()) {
-    addMasks(semantic, estimate.log_odds, current.depth_m, dynamic_probability_);
-    dynamic_cells.release();
-    dynamic_probability_.convertTo(dynamic_cells, CV_8U, 255.0);
-  }
+  if (!semantic.empty()) addMasks(semantic, estimate.log_odds, current.depth_m, dynamic_probability_);
+  cv::Mat1b dynamic_cells;
+  dynamic_probability_.convertTo(dynamic_cells, CV_8U, 255.0);
   cv::resize(dynamic_cells, result.dynamic, full_size, 0, 0, cv::INTER_LINEAR);
   result.flow_px = flow_cells * grid_->cellPx();
   result.residual_px = estimate.residual_px;

@@ -123,7 +123,7 @@ cv::Mat1b SlamSystem::removalMask(const cv::Mat1b& labels, const cv::Mat1b& movi
   cv::Mat1b removal;
   if (!labels.empty()) {
     cv::Mat1b moving_px;
-    cv::resize(moving, moving_px, labels.size(), 0, 0, cv::INTER_LINEAR);
+    if (!moving.empty()) cv::resize(moving, moving_px, labels.size(), 0, 0, cv::INTER_LINEAR);
     decideDynamic(labels, segmentation_.labels(), moving_px, config_.segmentation.phi, &removal);
   }
   return removal;
@@ -140,14 +140,14 @@ void SlamSystem::passOn(const SparseStep& step, KeyframeJob job) {
   } else if (step.keyframe) {
     job.id = *step.keyframe;
     submit(std::move(job));
-  } else if (network_works_ && keyframe_jobs_.size() == 0 &&
-             config_.segmentation.labelsAreDue(last_segmented_, job.frame.stamp)) {
+  } else if (network_works_ && !worker_busy_ && keyframe_jobs_.size() == 0 &&
+             config_.segmentation.labelsAreDue(last_submitted_, job.frame.stamp)) {
     submit(std::move(job));
   }
 }
 
 void SlamSystem::submit(KeyframeJob job) {
-  last_segmented_ = job.frame.stamp;
+  last_submitted_ = job.frame.stamp;
   if (mode_ == Mode::kSynchronous) {
     finishJob(std::move(job));
   } else {
@@ -158,7 +158,7 @@ void SlamSystem::submit(KeyframeJob job) {
 void SlamSystem::finishJob(KeyframeJob job) {
   if (job.id.valid()) {
     mapKeyframe(std::move(job));
-  } else {
+  } else if (!finishing_) {
     segment(job.frame);
   }
 }
@@ -187,7 +187,11 @@ void SlamSystem::mapPlaced() {
 
 void SlamSystem::work() {
   lowerThreadPriority();
-  while (auto job = keyframe_jobs_.pop()) finishJob(std::move(*job));
+  while (auto job = keyframe_jobs_.pop()) {
+    worker_busy_ = true;
+    finishJob(std::move(*job));
+    worker_busy_ = false;
+  }
 }
 
 void SlamSystem::finish() {

@@ -240,8 +240,12 @@ void SparseSlam::reset() {
 }
 
 void SparseSlam::saveMap(const std::string& path) const {
-  std::lock_guard<std::mutex> lock(shared_.mutex);
-  semantic_vslam::saveMap(path, shared_.map);
+  // Written from a copy: a slow disk must not hold up tracking.
+  const Map map = [this] {
+    std::lock_guard<std::mutex> lock(shared_.mutex);
+    return shared_.map;
+  }();
+  semantic_vslam::saveMap(path, map);
 }
 
 SavedMap SparseSlam::readMap(const std::string& path) const {

@@ -26,7 +26,7 @@ cv::Mat1f evenDepth() { return cv::Mat1f(kHeight, kWidth, 2.0F); }
 
 /// Source of a flow that is the same everywhere.
 cv::Mat2f shift(float u, float v, const cv::Mat1f& previous_depth_m = evenDepth()) {
-  return traceBack(cv::Mat2f(kHeight, kWidth, cv::Vec2f(u, v)), previous_depth_m, evenDepth(), 0.03);
+  return traceBack(cv::Mat2f(kHeight, kWidth, cv::Vec2f(u, v)), previous_depth_m, evenDepth(), evenDepth(), 0.03);
 }
 
 void addFrame(MaskPropagation& propagation, double seconds, const cv::Mat2f& source) {
@@ -77,17 +77,20 @@ TEST(MaskPropagationTest, LosesTheMaskWhereBackgroundIsUncovered) {
 
 TEST(MaskPropagationTest, LosesTheMaskWhereAHoleIsUncovered) {
   MaskPropagation propagation{MaskPropagationConfig()};
-  cv::Mat1f black_screen = evenDepth();
+  cv::Mat1f black_screen = evenDepth(), near = evenDepth();
+  near(cv::Rect(10, 10, 10, 10)) = 1.0F;
   black_screen(cv::Rect(10, 10, 10, 10)) = 0.0F;
   addFrame(propagation, 0.0, {});
   ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.0), labelsWithBlock(kPerson, {0, 0, 30, 30}), labelSet()));
   const cv::Mat2f at_rest(kHeight, kWidth, cv::Vec2f(0.0F, 0.0F));
-  addFrame(propagation, 0.03, traceBack(at_rest, evenDepth(), black_screen, 0.03));
+  addFrame(propagation, 0.03, traceBack(at_rest, near, black_screen, evenDepth(), 0.03));
   EXPECT_TRUE(std::isnan(propagation.dynamicNow()(15, 15))) << "who stood before the screen has gone";
   EXPECT_GT(propagation.dynamicNow()(5, 5), 0.9F);
   ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.03), labelsWithBlock(kPerson, {0, 0, 30, 30}), labelSet()));
-  addFrame(propagation, 0.06, traceBack(at_rest, black_screen, black_screen, 0.03));
-  EXPECT_GT(propagation.dynamicNow()(15, 15), 0.9F) << "a hole that stays, in dark clothes, is carried";
+  addFrame(propagation, 0.06, traceBack(at_rest, black_screen, black_screen, evenDepth(), 0.03));
+  addFrame(propagation, 0.09, traceBack(at_rest, evenDepth(), black_screen, evenDepth(), 0.03));
+  EXPECT_GT(propagation.dynamicNow()(15, 15), 0.9F)
+      << "holes that stay and such as flicker, in dark clothes, are carried";
 }
 
 TEST(MaskPropagationTest, TrustFadesWithTheConfiguredTime) {

@@ -14,8 +14,9 @@ namespace semantic_vslam {
 struct PlacedSurfaces {
   Stamp stamp;
   cv::Mat1f depth_m;       ///< grid size; 0 = hole
-  cv::Mat1f depth_high_m;  ///< farthest around each cell; around each hole
+  cv::Mat1f depth_high_m;  ///< GridFrame's; in holes, farthest of their surroundings
   SE3 T_odometry_camera = SE3::Identity();
+  float depth_sigma_at_1m_m = 0.003F;  ///< grows with the square of depth
 };
 
 /// Weighs a frame's labels against what those of the last seconds said of the same surfaces, found by their position in

@@ -33,8 +33,9 @@ class MaskPropagation {
   /// @param moving  what flow and depth showed of the newest frame, grid size, not 0 = moving: Fi of eq. (5); empty:
   /// nothing was seen to move
   void setMoving(const cv::Mat1b& moving);
-  /// @param T_odometry_camera  pose of the newest frame since reset() or forgetPlaces()
-  void setPlace(const GridFrame& newest, const SE3& T_odometry_camera);
+  /// Where the newest frame's surfaces lie; without it its labels are believed as they come.
+  /// @param T_odometry_camera  pose in a frame of reference that holds until reset() or forgetPlaces()
+  void setPlace(const GridFrame& newest, const SE3& T_odometry_camera, const RigidFlowConfig& noise);
   /// The camera's motion to the newest frame is unknown: no surface of it can be found in earlier ones.
   void forgetPlaces();
   /// Takes the labels of an earlier frame. People are dynamic; movable things are where enough of them moved, eq. (5).

@@ -31,7 +31,7 @@ struct MotionResult {
   MotionModel model = MotionModel::kNone;
   SE3 T_current_previous = SE3::Identity();  ///< camera motion by the rigid model; identity for the others
   int inliers = 0;                           ///< of the camera motion model
-  double dynamic_share = 0.0;                ///< share of pixels with dynamic >= 128
+  double dynamic_share = 0.0;                ///< share of the working grid that is dynamic
   std::optional<Stamp> labels;  ///< of the frame whose labels are carried on in `dynamic`; nothing: no labels in it
 };
 

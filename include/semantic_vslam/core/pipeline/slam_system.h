@@ -121,12 +121,13 @@ class SlamSystem {
   DenseMapper dense_;                     // used by the worker
   WaitingKeyframes waiting_;              // used by the worker
   std::optional<Stamp> last_stamp_;       // used by observe()
-  Stamp last_segmented_;                  // used by track()
+  Stamp last_submitted_;                  // used by track()
   std::optional<KeyframeJob> candidate_;  ///< k1, until initialisation has made it the first keyframe
 
   std::mutex late_mutex_;
   std::deque<LateLabels> late_labels_;  // guarded by late_mutex_
   std::atomic<bool> network_works_;     ///< there is one, and it has not failed
+  std::atomic<bool> worker_busy_{false};
   std::atomic<bool> finishing_{false};  ///< nobody waits for tracking any more
   std::atomic<std::size_t> passed_over_{0};
   BoundedQueue<KeyframeJob> keyframe_jobs_;

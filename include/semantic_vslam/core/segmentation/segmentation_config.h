@@ -16,7 +16,7 @@ struct SegmentationConfig {
   std::string provider = "auto";
   int threads = 1;
   int arena_mb = 512;
-  double longest_gap_s = 1.0;
+  double longest_gap_s = 0.5;
   double phi = 0.4;
   RefinementConfig refinement;
 
@@ -42,7 +42,8 @@ struct SegmentationConfig {
     v.field(
         "longest_gap_s", longest_gap_s, 0.1, 3600.0,
         "a frame is segmented this long after the last one although it is no keyframe, s: a robot that stands still "
-        "makes none, and who then stops in front of it must not be forgotten");
+        "makes none, and who then stops in front of it must not be forgotten. With the network's own time it should "
+        "stay below 0.9 s, after which a mask gives way to a surface at rest");
     v.group("refinement", refinement);
   }
 

@@ -20,13 +20,13 @@ bool isUncovered(float depth_m, float previous_depth_m, float dt_s) {
 
 }  // namespace
 
-cv::Mat2f traceBack(const cv::Mat2f& flow_cells, const cv::Mat1f& previous_depth_m, const cv::Mat1f& depth_m,
-                    const cv::Mat1f& depth_high_m, double dt_s) {
+cv::Mat2f traceBack(const cv::Mat2f& flow_cells, const cv::Mat1f& previous_depth_m, const cv::Mat1f& surface_m,
+                    double dt_s) {
   cv::Mat2f source(flow_cells.size());
   const auto right = static_cast<float>(source.cols - 1), bottom = static_cast<float>(source.rows - 1);
   for (int y = 0; y < source.rows; ++y) {
     const cv::Vec2f* flow = flow_cells[y];
-    const float *depth = depth_m[y], *around = depth_high_m[y];
+    const float* surface = surface_m[y];
     cv::Vec2f* out = source[y];
     for (int x = 0; x < source.cols; ++x) {
       const cv::Vec2f before(static_cast<float>(x) - flow[x][0], static_cast<float>(y) - flow[x][1]);
@@ -34,7 +34,7 @@ cv::Mat2f traceBack(const cv::Mat2f& flow_cells, const cv::Mat1f& previous_depth
       if (!(before[0] >= 0.0F && before[1] >= 0.0F && before[0] <= right && before[1] <= bottom)) continue;
       const float depth_before =
           previous_depth_m(static_cast<int>(before[1] + 0.5F), static_cast<int>(before[0] + 0.5F));
-      if (!isUncovered(depth[x] > 0.0F ? depth[x] : around[x], depth_before, static_cast<float>(dt_s))) out[x] = before;
+      if (!isUncovered(surface[x], depth_before, static_cast<float>(dt_s))) out[x] = before;
     }
   }
   return source;

@@ -73,9 +73,7 @@ cv::Mat1f personShare(const cv::Mat1b& labels, const LabelSet& label_set, cv::Si
 
 MaskPropagation::MaskPropagation(const MaskPropagationConfig& config) : config_(config) {}
 
-void MaskPropagation::reset(const WorkGrid* grid) {
-  grid_ = grid;
-  memory_.clear();
+void MaskPropagation::reset() {
   entries_.clear();
   mask_.release();
   origin_.release();
@@ -94,15 +92,12 @@ void MaskPropagation::setMoving(const cv::Mat1b& moving) {
   if (!entries_.empty() && !moving.empty()) entries_.back().moving = moving;
 }
 
-void MaskPropagation::setPlace(const GridFrame& newest, const SE3& T_odometry_camera, const RigidFlowConfig& noise) {
-  if (entries_.empty()) return;
-  entries_.back().surfaces = PlacedSurfaces{newest.stamp, newest.depth_m, newest.depth_high_m, T_odometry_camera,
-                                            static_cast<float>(noise.depth_sigma_at_1m_m)};
+void MaskPropagation::setPlace(const PlacedFrame& place) {
+  if (!entries_.empty()) entries_.back().place = place;
 }
 
 void MaskPropagation::forgetPlaces() {
-  memory_.clear();
-  for (Entry& entry : entries_) entry.surfaces.reset();
+  for (Entry& entry : entries_) entry.place.reset();
 }
 
 cv::Mat1f MaskPropagation::dynamicOf(const Entry& entry, const cv::Mat1b& labels, const LabelSet& label_set) const {
@@ -117,12 +112,12 @@ cv::Mat1f MaskPropagation::dynamicOf(const Entry& entry, const cv::Mat1b& labels
   return cv::max(dynamic, whole_cells);
 }
 
-bool MaskPropagation::addLabels(Stamp stamp, const cv::Mat1b& labels, const LabelSet& label_set) {
+bool MaskPropagation::addLabels(Stamp stamp, const cv::Mat1b& labels, const LabelSet& label_set, const Weigh& weigh) {
   const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.stamp == stamp; });
   if (entry == entries_.end() || labels.empty()) return false;
   if (hasMask() && stamp <= mask_stamp_) return false;  // these or newer ones are being carried already
   mask_ = dynamicOf(*entry, labels, label_set);
-  if (grid_ != nullptr && entry->surfaces) mask_ = memory_.weigh(mask_, *entry->surfaces, *grid_);
+  if (weigh && entry->place) mask_ = weigh(mask_, *entry->place);
   mask_stamp_ = stamp;
   origin_ = identityOrigin(mask_.size());
   for (auto next = entry + 1; next != entries_.end(); ++next) origin_ = advanceOrigin(origin_, next->source);

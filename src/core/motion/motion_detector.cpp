@@ -96,6 +96,7 @@ void MotionDetector::setConfig(const MotionConfig& config) {
 
 void MotionDetector::reset() {
   propagation_.reset();
+  label_memory_.clear();
   grid_.reset();
   camera_.reset();
   previous_ = {};
@@ -110,12 +111,13 @@ void MotionDetector::start(const RgbdFrame& frame) {
   camera_ = frame.camera;
   grid_ = std::make_unique<WorkGrid>(frame.camera, config_.flow.width_px);
   memory_.reset(grid_->size());
-  propagation_.reset(grid_.get());
   dynamic_probability_ = cv::Mat1f(grid_->size(), 0.0F);
 }
 
 bool MotionDetector::addLabels(Stamp stamp, const cv::Mat1b& labels, const LabelSet& label_set) {
-  return propagation_.addLabels(stamp, labels, label_set);
+  return propagation_.addLabels(stamp, labels, label_set, [this](const cv::Mat1f& dynamic, const PlacedFrame& place) {
+    return label_memory_.weigh(dynamic, place, *grid_, config_.rigid);
+  });
 }
 
 MotionResult MotionDetector::detect(const RgbdFrame& frame) {
@@ -125,7 +127,7 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
     start(frame);
     previous_ = makeGridFrame(frame, *grid_);
     propagation_.addFrame(frame.stamp, grid_->size(), {});
-    if (config_.model == "rigid_flow") propagation_.setPlace(previous_, T_odometry_camera_, config_.rigid);
+    if (config_.model == "rigid_flow") propagation_.setPlace(placed(previous_));
     MotionResult first;
     first.dynamic = cv::Mat1b::zeros(full_size);
     first.moving = cv::Mat1b::zeros(grid_->size());
@@ -133,7 +135,7 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
   }
   const GridFrame current = makeGridFrame(frame, *grid_);
   const cv::Mat2f flow_cells = dense_flow_.compute(previous_.cell_gray, current.cell_gray);
-  const cv::Mat2f source = traceBack(flow_cells, previous_.depth_m, current.depth_m, current.depth_high_m, dt_s);
+  const cv::Mat2f source = traceBack(flow_cells, previous_.depth_m, current.surface_m, dt_s);
   propagation_.addFrame(frame.stamp, grid_->size(), source);
   const cv::Mat1f semantic = propagation_.dynamicNow();
   const cv::Mat1f static_weight = staticWeight(source, semantic);
@@ -149,7 +151,10 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
   propagation_.setMoving(estimate.moving);
 
   const MotionResult result = compose(current, estimate, flow_cells, surface.semantic, full_size);
-  if (config_.model == "rigid_flow") keepReference(current);
+  if (config_.model == "rigid_flow") {
+    propagation_.setPlace(placed(current));
+    keepReference(current);
+  }
   previous_ = current;
   return result;
 }
@@ -185,15 +190,14 @@ MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& cur
     // Too little depth, or nothing that stands still: a homography is the better guess, and the past is of no use.
     references_.clear();
     propagation_.forgetPlaces();
+    label_memory_.clear();
     velocity_dt_s_ = 0.0;
     memory_.carry(source, dt_s);
     return explainByHomography(current, flow_cells, static_weight);
   }
   velocity_ = camera.T_previous_current;
   velocity_dt_s_ = dt_s;
-  advanceReferences(camera);
   T_odometry_camera_ = T_odometry_camera_ * camera.T_previous_current;
-  propagation_.setPlace(current, T_odometry_camera_, config_.rigid);
 
   Estimate estimate;
   const RigidFlowResidual residual =
@@ -204,7 +208,7 @@ MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& cur
   if (!references_.empty()) {
     // One reference a frame, in turn: the evidence gathers over frames, and each look costs a millisecond.
     turn_ = (turn_ + 1) % references_.size();
-    vote = voteByDepth(current, references_[turn_], *grid_, config_.rigid);
+    vote = voteByDepth(placed(current), references_[turn_], *grid_, config_.rigid);
   }
   memory_.add(current, residual, gain, vote);
   estimate.model = MotionModel::kRigidFlow;
@@ -215,17 +219,14 @@ MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& cur
   return estimate;
 }
 
-void MotionDetector::advanceReferences(const CameraMotion& camera) {
-  for (DepthReference& reference : references_) {
-    reference.T_reference_current = reference.T_reference_current * camera.T_previous_current;
-  }
+PlacedFrame MotionDetector::placed(const GridFrame& current) const {
+  return {current.stamp, current.depth_m, current.surface_m, T_odometry_camera_};
 }
 
 void MotionDetector::keepReference(const GridFrame& current) {
   const double spacing_s = config_.memory.reference_age_s / kReferences;
-  if (!references_.empty() && secondsBetween(references_.back().stamp, current.stamp) < spacing_s) return;
-  references_.push_back(
-      {current.stamp, current.depth_m, current.depth_low_m, dynamic_probability_.clone(), SE3::Identity()});
+  if (!references_.empty() && secondsBetween(references_.back().place.stamp, current.stamp) < spacing_s) return;
+  references_.push_back({placed(current), current.depth_low_m, dynamic_probability_.clone()});
   if (references_.size() > kReferences) references_.pop_front();
 }
 

@@ -157,6 +157,8 @@ GridFrame makeGridFrame(const RgbdFrame& frame, const WorkGrid& grid) {
   no_holes.setTo(kFarM, no_holes <= 0.0F);
   cv::erode(no_holes, out.depth_low_m, kernel);
   fillHoles(out, no_holes);
+  out.surface_m = out.depth_m.clone();
+  out.depth_high_m.copyTo(out.surface_m, out.depth_m <= 0.0F);
   return out;
 }
 

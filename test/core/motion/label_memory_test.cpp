@@ -17,19 +17,20 @@ class LabelMemoryTest : public testing::Test {
   static constexpr float kDeskM = 1.5F;
   static constexpr double kOneOfTwo = 0.8125;  // 0.5 at a third of the votes, 1 at six tenths
 
-  PlacedSurfaces desk(double seconds, double right_m = 0.0) const {
+  PlacedFrame desk(double seconds, double right_m = 0.0) const {
     const cv::Mat1f depth_m(grid.size(), kDeskM);
-    PlacedSurfaces surfaces{Stamp::fromSeconds(seconds), depth_m, depth_m, SE3::Identity()};
-    surfaces.T_odometry_camera.translation().x() = right_m;
-    return surfaces;
+    PlacedFrame place{Stamp::fromSeconds(seconds), depth_m, depth_m, SE3::Identity()};
+    place.T_odometry_camera.translation().x() = right_m;
+    return place;
   }
   cv::Mat1f everywhere(float dynamic) const { return cv::Mat1f(grid.size(), dynamic); }
-  float weighed(float dynamic, const PlacedSurfaces& surfaces, cv::Point cell) {
-    return memory.weigh(everywhere(dynamic), surfaces, grid)(cell);
+  float weighed(float dynamic, const PlacedFrame& place, cv::Point cell) {
+    return memory.weigh(everywhere(dynamic), place, grid, config)(cell);
   }
 
   WorkGrid grid{std::make_shared<const CameraModel>(quarterVga()), 160};
   const cv::Point middle{grid.size().width / 2, grid.size().height / 2};
+  const RigidFlowConfig config;
   LabelMemory memory;
 };
 
@@ -47,10 +48,10 @@ TEST_F(LabelMemoryTest, OneMistakeIsOutvotedAndAMajorityIsBelieved) {
 TEST_F(LabelMemoryTest, ThePlaceIsFoundAgainAfterTheCameraHasMoved) {
   cv::Mat1f left_half = everywhere(0.0F);
   left_half(cv::Rect(0, 0, middle.x, grid.size().height)) = 1.0F;
-  memory.weigh(left_half, desk(0.0), grid);
+  memory.weigh(left_half, desk(0.0), grid, config);
   // 0.3 m to the right at 1.5 m: the edge lies a fifth of the focal length farther left.
   const int edge = middle.x - static_cast<int>(0.2F * grid.focalCells());
-  const cv::Mat1f mean = memory.weigh(everywhere(0.9F), desk(1.0, 0.3), grid);
+  const cv::Mat1f mean = memory.weigh(everywhere(0.9F), desk(1.0, 0.3), grid, config);
   EXPECT_NEAR(mean(middle.y, edge - 2), 1.0, 1e-5);
   EXPECT_LT(mean(middle.y, edge + 2), 0.8);
   EXPECT_FLOAT_EQ(mean(middle.y, grid.size().width - 1), 0.9F) << "was not in view, nobody votes";
@@ -58,14 +59,14 @@ TEST_F(LabelMemoryTest, ThePlaceIsFoundAgainAfterTheCameraHasMoved) {
 
 TEST_F(LabelMemoryTest, WhoStepsInFrontIsBelievedAtOnce) {
   for (const double seconds : {0.0, 1.0, 2.0}) weighed(0.0F, desk(seconds), middle);
-  PlacedSurfaces person = desk(3.0);
-  person.depth_m = person.depth_high_m = cv::Mat1f(grid.size(), kDeskM - 0.3F);
+  PlacedFrame person = desk(3.0);
+  person.depth_m = person.surface_m = cv::Mat1f(grid.size(), kDeskM - 0.3F);
   EXPECT_FLOAT_EQ(weighed(1.0F, person, middle), 1.0F);
   EXPECT_LT(weighed(1.0F, desk(4.0), middle), 0.5F) << "the desk behind is still known when the person has gone";
 }
 
 TEST_F(LabelMemoryTest, AHoleIsTheHoleThatWasThere) {
-  PlacedSurfaces screen = desk(0.0);
+  PlacedFrame screen = desk(0.0);
   screen.depth_m = screen.depth_m.clone();  // the surroundings stay
   screen.depth_m(middle) = 0.0F;
   weighed(0.0F, screen, middle);

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "semantic_vslam/core/motion/flow_carry.h"
 
@@ -26,7 +27,7 @@ cv::Mat1f evenDepth() { return cv::Mat1f(kHeight, kWidth, 2.0F); }
 
 /// Source of a flow that is the same everywhere.
 cv::Mat2f shift(float u, float v, const cv::Mat1f& previous_depth_m = evenDepth()) {
-  return traceBack(cv::Mat2f(kHeight, kWidth, cv::Vec2f(u, v)), previous_depth_m, evenDepth(), evenDepth(), 0.03);
+  return traceBack(cv::Mat2f(kHeight, kWidth, cv::Vec2f(u, v)), previous_depth_m, evenDepth(), 0.03);
 }
 
 void addFrame(MaskPropagation& propagation, double seconds, const cv::Mat2f& source) {
@@ -83,12 +84,12 @@ TEST(MaskPropagationTest, LosesTheMaskWhereAHoleIsUncovered) {
   addFrame(propagation, 0.0, {});
   ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.0), labelsWithBlock(kPerson, {0, 0, 30, 30}), labelSet()));
   const cv::Mat2f at_rest(kHeight, kWidth, cv::Vec2f(0.0F, 0.0F));
-  addFrame(propagation, 0.03, traceBack(at_rest, near, black_screen, evenDepth(), 0.03));
+  addFrame(propagation, 0.03, traceBack(at_rest, near, evenDepth(), 0.03));
   EXPECT_TRUE(std::isnan(propagation.dynamicNow()(15, 15))) << "who stood before the screen has gone";
   EXPECT_GT(propagation.dynamicNow()(5, 5), 0.9F);
   ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.03), labelsWithBlock(kPerson, {0, 0, 30, 30}), labelSet()));
-  addFrame(propagation, 0.06, traceBack(at_rest, black_screen, black_screen, evenDepth(), 0.03));
-  addFrame(propagation, 0.09, traceBack(at_rest, evenDepth(), black_screen, evenDepth(), 0.03));
+  addFrame(propagation, 0.06, traceBack(at_rest, black_screen, evenDepth(), 0.03));
+  addFrame(propagation, 0.09, traceBack(at_rest, evenDepth(), evenDepth(), 0.03));
   EXPECT_GT(propagation.dynamicNow()(15, 15), 0.9F)
       << "holes that stay and such as flicker, in dark clothes, are carried";
 }
@@ -131,6 +132,33 @@ TEST(MaskPropagationTest, IgnoresLabelsOfFramesItDoesNotKnow) {
   EXPECT_FALSE(propagation.addLabels(Stamp::fromSeconds(0.0), labels, labelSet()));  // too late
   EXPECT_FALSE(propagation.addLabels(Stamp::fromSeconds(0.6), labels, labelSet()));  // never seen
   EXPECT_TRUE(propagation.addLabels(Stamp::fromSeconds(1.2), labels, labelSet()));
+}
+
+TEST(MaskPropagationTest, LabelsAreWeighedOnlyWhereTheFramesPlaceIsKnown) {
+  MaskPropagation propagation{MaskPropagationConfig()};
+  const auto placeAt = [](double seconds) {
+    return PlacedFrame{Stamp::fromSeconds(seconds), evenDepth(), evenDepth(), SE3::Identity()};
+  };
+  std::vector<double> asked;
+  const auto nobody = [&](const cv::Mat1f& dynamic, const PlacedFrame& place) {
+    asked.push_back(place.stamp.seconds());
+    return cv::Mat1f(dynamic.size(), 0.0F);
+  };
+  const auto personSeen = [&](double seconds) {
+    const cv::Mat1b labels = labelsWithBlock(kPerson, {10, 10, 10, 10});
+    EXPECT_TRUE(propagation.addLabels(Stamp::fromSeconds(seconds), labels, labelSet(), nobody));
+    return propagation.dynamicNow()(15, 15) > 0.9F;
+  };
+  addFrame(propagation, 0.0, {});
+  EXPECT_TRUE(personSeen(0.0)) << "no place is known";
+  addFrame(propagation, 0.1, shift(0.0F, 0.0F));
+  propagation.setPlace(placeAt(0.1));
+  addFrame(propagation, 0.2, shift(0.0F, 0.0F));
+  propagation.setPlace(placeAt(0.2));
+  EXPECT_FALSE(personSeen(0.1)) << "what is weighed is believed";
+  propagation.forgetPlaces();
+  EXPECT_TRUE(personSeen(0.2));
+  EXPECT_EQ(asked, std::vector<double>{0.1});
 }
 
 }  // namespace

@@ -155,6 +155,20 @@ TEST(MotionDetectorTest, ADeskCalledAPersonOnceStaysADesk) {
   EXPECT_GT(dynamicShareWith(everywhere, 140), 0.9) << "a network that insists is believed";
 }
 
+TEST(MotionDetectorTest, WhoStandsStillStaysOutAsLongAsLabelsComeTwiceASecond) {
+  MotionDetector detector{MotionConfig()};
+  LabelSet labels;
+  labels.classes.push_back({"person", Mobility::kPerson, {}});
+  const cv::Mat1b everywhere(240, 320, static_cast<uchar>(1));
+  constexpr int kGapFrames = 15, kLateFrames = 8;  // 0.5 s, and the network's own 0.26 s
+  for (int i = 0; i < 120; ++i) {
+    const MotionResult result = detector.detect(texturedFrame(i, 2.0F, 0));
+    EXPECT_EQ(result.dynamic_share > 0.9, i > kLateFrames) << i;
+    if (i % kGapFrames != kLateFrames) continue;
+    EXPECT_TRUE(detector.addLabels(Stamp::fromSeconds(1.0 + 0.033 * (i - kLateFrames)), everywhere, labels));
+  }
+}
+
 TEST(MotionDetectorTest, StampThatGoesBackStartsAnew) {
   MotionDetector detector{MotionConfig()};
   detector.detect(texturedFrame(5, 2.0F, 0));

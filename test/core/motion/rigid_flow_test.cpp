@@ -179,8 +179,10 @@ TEST_F(RigidScene, BrightnessDecidesBetweenMeasuredAndRigidFlow) {
   EXPECT_LT(cv::mean(compareBrightness(previous, previous, left, wrong)(cv::Rect(20, 20, 120, 80)))[0], -0.8);
 }
 
+PlacedFrame placed(const GridFrame& frame) { return {frame.stamp, frame.depth_m, frame.depth_m, SE3::Identity()}; }
+
 DepthReference referenceOf(const GridFrame& frame) {
-  return {frame.stamp, frame.depth_m, frame.depth_low_m, cv::Mat1f(frame.depth_m.size(), 0.0F), SE3::Identity()};
+  return {placed(frame), frame.depth_low_m, cv::Mat1f(frame.depth_m.size(), 0.0F)};
 }
 
 GridFrame planeAt(double seconds, float depth_m) {
@@ -196,7 +198,7 @@ TEST_F(RigidScene, SurfaceThatApproachesIntoFreeSpaceIsVotedMoving) {
   const cv::Rect walker(60, 30, 30, 60);
   now.depth_m = now.depth_m.clone();
   now.depth_m(walker) = 1.6F;  // came 0.4 m nearer along the optical axis
-  const DepthVote vote = voteByDepth(now, referenceOf(before), grid, config);
+  const DepthVote vote = voteByDepth(placed(now), referenceOf(before), grid, config);
   EXPECT_FLOAT_EQ(vote.entered(60, 75), 1.0F);
   EXPECT_FLOAT_EQ(vote.stayed(60, 75), 0.0F);
   EXPECT_FLOAT_EQ(vote.entered(60, 20), 0.0F);
@@ -204,21 +206,21 @@ TEST_F(RigidScene, SurfaceThatApproachesIntoFreeSpaceIsVotedMoving) {
 }
 
 TEST_F(RigidScene, SurfaceThatWasHiddenIsNotVotedOn) {
-  const DepthVote vote = voteByDepth(planeAt(0.5, 2.0F), referenceOf(planeAt(0.0, 1.0F)), grid, config);
+  const DepthVote vote = voteByDepth(placed(planeAt(0.5, 2.0F)), referenceOf(planeAt(0.0, 1.0F)), grid, config);
   EXPECT_EQ(cv::countNonZero(vote.entered), 0);
   EXPECT_EQ(cv::countNonZero(vote.stayed), 0);
 }
 
 TEST_F(RigidScene, CameraThatApproachesAWallIsNoMover) {
-  DepthReference reference = referenceOf(planeAt(0.0, 2.0F));
-  reference.T_reference_current.translation().z() = 0.3;
-  const DepthVote vote = voteByDepth(planeAt(0.5, 1.7F), reference, grid, config);
+  PlacedFrame now = placed(planeAt(0.5, 1.7F));
+  now.T_odometry_camera.translation().z() = 0.3;
+  const DepthVote vote = voteByDepth(now, referenceOf(planeAt(0.0, 2.0F)), grid, config);
   EXPECT_EQ(cv::countNonZero(vote.entered), 0);
   EXPECT_GT(cv::countNonZero(vote.stayed), 160 * 120 * 9 / 10);
 }
 
 TEST_F(RigidScene, NoDepthGivesNoVote) {
-  const DepthVote vote = voteByDepth(planeAt(0.5, 0.0F), referenceOf(planeAt(0.0, 2.0F)), grid, config);
+  const DepthVote vote = voteByDepth(placed(planeAt(0.5, 0.0F)), referenceOf(planeAt(0.0, 2.0F)), grid, config);
   EXPECT_EQ(cv::countNonZero(vote.entered), 0);
   EXPECT_EQ(cv::countNonZero(vote.stayed), 0);
 }

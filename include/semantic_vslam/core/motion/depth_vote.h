@@ -4,19 +4,17 @@
 
 #include <opencv2/core.hpp>
 
-#include "semantic_vslam/core/geometry/se3.h"
 #include "semantic_vslam/core/motion/motion_config.h"
+#include "semantic_vslam/core/motion/place_lookup.h"
 #include "semantic_vslam/core/motion/work_grid.h"
 
 namespace semantic_vslam {
 
 /// Depth as an earlier frame saw it.
 struct DepthReference {
-  Stamp stamp;
-  cv::Mat1f depth_m;              ///< grid size; 0 = none
-  cv::Mat1f depth_low_m;          ///< nearest of the 3x3 neighbourhood
+  PlacedFrame place;
+  cv::Mat1f depth_low_m;          ///< GridFrame's
   cv::Mat1f dynamic_probability;  ///< 0 .. 1, of that frame
-  SE3 T_reference_current = SE3::Identity();
 };
 
 /// What an earlier depth image says of the present one: each cell's surface is moved into the earlier camera.
@@ -27,7 +25,7 @@ struct DepthVote {
   cv::Mat1f stayed;   ///< 0 .. 1: how clearly it was there then, and static
 };
 
-DepthVote voteByDepth(const GridFrame& current, const DepthReference& reference, const WorkGrid& grid,
+DepthVote voteByDepth(const PlacedFrame& current, const DepthReference& reference, const WorkGrid& grid,
                       const RigidFlowConfig& config);
 
 }  // namespace semantic_vslam

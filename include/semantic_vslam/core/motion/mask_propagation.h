@@ -3,11 +3,12 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "semantic_vslam/core/motion/label_memory.h"
 #include "semantic_vslam/core/motion/motion_config.h"
+#include "semantic_vslam/core/motion/place_lookup.h"
 #include "semantic_vslam/core/motion/work_grid.h"
 #include "semantic_vslam/core/segmentation/label_set.h"
 
@@ -25,22 +26,23 @@ class MaskPropagation {
 
   void setConfig(const MaskPropagationConfig& config) { config_ = config; }
 
-  /// @param grid  of the frames to come; must outlive them. Null: labels are not weighed against earlier ones
-  void reset(const WorkGrid* grid = nullptr);
+  void reset();
   /// Advances to a new frame.
   /// @param source  where each cell was in the frame before, of traceBack(); empty for the first frame
   void addFrame(Stamp stamp, cv::Size grid_size, const cv::Mat2f& source);
   /// @param moving  what flow and depth showed of the newest frame, grid size, not 0 = moving: Fi of eq. (5); empty:
   /// nothing was seen to move
   void setMoving(const cv::Mat1b& moving);
-  /// Where the newest frame's surfaces lie; without it its labels are believed as they come.
-  /// @param T_odometry_camera  pose in a frame of reference that holds until reset() or forgetPlaces()
-  void setPlace(const GridFrame& newest, const SE3& T_odometry_camera, const RigidFlowConfig& noise);
+  /// @param place  of the newest frame, whose poses go together until forgetPlaces()
+  void setPlace(const PlacedFrame& place);
   /// The camera's motion to the newest frame is unknown: no surface of it can be found in earlier ones.
   void forgetPlaces();
+  /// Corrects what labels say of a placed frame. @param dynamic  0 .. 1, grid size
+  using Weigh = std::function<cv::Mat1f(const cv::Mat1f& dynamic, const PlacedFrame& place)>;
   /// Takes the labels of an earlier frame. People are dynamic; movable things are where enough of them moved, eq. (5).
+  /// @param weigh  asked if the frame's place is known; empty: the labels are believed as they come
   /// @return false if the frame is not kept any more (too late) or never was: the labels are ignored
-  bool addLabels(Stamp stamp, const cv::Mat1b& labels, const LabelSet& label_set);
+  bool addLabels(Stamp stamp, const cv::Mat1b& labels, const LabelSet& label_set, const Weigh& weigh = {});
 
   bool hasMask() const { return !mask_.empty(); }
   /// Of the frame whose labels are carried; nothing if there are none.
@@ -54,14 +56,12 @@ class MaskPropagation {
     Stamp stamp;
     cv::Mat2f source;  // empty for the first
     cv::Mat1b moving;
-    std::optional<PlacedSurfaces> surfaces;  // none: the pose is unknown
+    std::optional<PlacedFrame> place;
   };
 
   cv::Mat1f dynamicOf(const Entry& entry, const cv::Mat1b& labels, const LabelSet& label_set) const;
 
   MaskPropagationConfig config_;
-  const WorkGrid* grid_ = nullptr;
-  LabelMemory memory_;
   std::deque<Entry> entries_;
   cv::Mat1f mask_;    // of the labels' own frame, 0 .. 1
   cv::Mat2f origin_;  // position in that frame of each present cell; NaN = lost

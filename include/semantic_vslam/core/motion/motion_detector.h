@@ -10,6 +10,7 @@
 #include "semantic_vslam/core/motion/camera_motion.h"
 #include "semantic_vslam/core/motion/dense_flow.h"
 #include "semantic_vslam/core/motion/depth_vote.h"
+#include "semantic_vslam/core/motion/label_memory.h"
 #include "semantic_vslam/core/motion/mask_propagation.h"
 #include "semantic_vslam/core/motion/motion_config.h"
 #include "semantic_vslam/core/motion/motion_memory.h"
@@ -56,7 +57,7 @@ class MotionDetector {
   Estimate explainByHomography(const GridFrame& current, const cv::Mat2f& flow_cells, const cv::Mat1f& static_weight);
   Estimate explainByRigidFlow(const GridFrame& current, const cv::Mat2f& flow_cells, const cv::Mat2f& source,
                               const cv::Mat1f& static_weight);
-  void advanceReferences(const CameraMotion& camera);
+  PlacedFrame placed(const GridFrame& current) const;
   void keepReference(const GridFrame& current);
   MotionResult compose(const GridFrame& current, const Estimate& estimate, const cv::Mat2f& flow_cells,
                        const cv::Mat1f& semantic, cv::Size full_size);
@@ -65,6 +66,7 @@ class MotionDetector {
   DenseFlow dense_flow_;
   MotionMemory memory_;
   MaskPropagation propagation_;
+  LabelMemory label_memory_;
   std::unique_ptr<WorkGrid> grid_;
   std::shared_ptr<const CameraModel> camera_;
   GridFrame previous_;

@@ -83,7 +83,8 @@ struct GridFrame {
   cv::Mat1f depth_m;       ///< 0 = none
   cv::Mat1f depth_low_m;   ///< nearest depth of the 3x3 neighbourhood; in a hole, of its wider surroundings; 0 = none
   cv::Mat1f depth_high_m;  ///< farthest, likewise
-  cv::Mat1f texture;       ///< brightness gradient, gray levels per cell
+  cv::Mat1f surface_m;  ///< depth_m, and in holes depth_high_m: a black screen lies about where its farther edge does
+  cv::Mat1f texture;    ///< brightness gradient, gray levels per cell
 };
 
 GridFrame makeGridFrame(const RgbdFrame& frame, const WorkGrid& grid);

@@ -65,7 +65,6 @@ class SegmentationNodelet final : public StageNodelet {
 
   // Worker thread
   void step(Stamp stamp);
-  void label(Stamp stamp);
   void publish(const std_msgs::Header& header, const RgbdFrame& frame, const cv::Mat1b& labels);
 
   SegmentationNodeletConfig config_;
@@ -73,7 +72,6 @@ class SegmentationNodelet final : public StageNodelet {
   std::atomic<bool> network_failed_{false};
   std::atomic<bool> images_kept_{false};  // the worker can get at them
   std::atomic<bool> keyframe_seen_{false};
-  std::atomic<bool> busy_{false};
   std::atomic<Stamp> last_labelled_{Stamp()};
 
   ros::Publisher labels_publisher_, info_publisher_, overlay_publisher_;
@@ -138,7 +136,7 @@ void SegmentationNodelet::run(ros::NodeHandle nh, ros::NodeHandle private_nh) {
 bool SegmentationNodelet::isWanted(Stamp stamp) const {
   if (!images_kept_) return false;
   if (!keyframe_seen_) return true;
-  return !busy_ && worker_->waiting() == 0 && config_.segmentation.labelsAreDue(last_labelled_, stamp);
+  return worker_->idle() && config_.segmentation.labelsAreDue(last_labelled_, stamp);
 }
 
 void SegmentationNodelet::report(StageDiagnostics::Status& status) {
@@ -156,12 +154,6 @@ void SegmentationNodelet::onKeyframePoses(const KeyframePoseArrayConstPtr& messa
 
 void SegmentationNodelet::step(Stamp stamp) {
   if (network_failed_ || stamp == last_labelled_) return;  // labelled before it was named a keyframe
-  busy_ = true;
-  label(stamp);
-  busy_ = false;
-}
-
-void SegmentationNodelet::label(Stamp stamp) {
   const std::optional<RgbdMessages> messages = frames_->waitFor(stamp);
   if (!messages) return;
   const StageDiagnostics::Step timer(*diagnostics_, stamp);

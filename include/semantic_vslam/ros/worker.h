@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <optional>
 #include <thread>
@@ -36,16 +37,23 @@ class Worker {
 
   void push(T item) { queue_.push(std::move(item)); }
   std::size_t waiting() const { return queue_.size(); }
+  /// Nothing waits and nothing runs; true for a moment too while an item is taken from the queue.
+  bool idle() const { return !running_ && queue_.size() == 0; }
   QueueCounters counters() const { return queue_.counters(); }
 
  private:
   void run(WorkerPriority priority) {
     if (priority == WorkerPriority::kKeyframes) lowerThreadPriority();
-    while (std::optional<T> item = queue_.pop()) handler_(std::move(*item));
+    while (std::optional<T> item = queue_.pop()) {
+      running_ = true;
+      handler_(std::move(*item));
+      running_ = false;
+    }
   }
 
   BoundedQueue<T> queue_;
   const Handler handler_;
+  std::atomic<bool> running_{false};
   std::thread thread_;
 };
 

@@ -227,6 +227,45 @@ TEST(SlamSystem, ACameraThatStandsStillIsStillTold) {
   }
 }
 
+/// Answers the first question at once and the second when it is let go.
+class SlowSegmenter final : public Segmenter {
+ public:
+  SlowSegmenter(std::atomic<int>& asked, std::atomic<bool>& go) : asked_(asked), go_(go) {}
+  const LabelSet& labels() const override { return labels_; }
+  cv::Mat1b segment(const cv::Mat3b& bgr) override {
+    if (++asked_ > 1) {
+      while (!go_) std::this_thread::yield();
+    }
+    return cv::Mat1b::zeros(bgr.size());
+  }
+
+ private:
+  std::atomic<int>& asked_;
+  std::atomic<bool>& go_;
+  LabelSet labels_ = syntheticLabels();
+};
+
+TEST(SlamSystem, FramesBetweenKeyframesDoNotQueueBehindABusyNetwork) {
+  std::atomic<int> asked{0};
+  std::atomic<bool> go{false};
+  SlamSystem system(SystemConfig(), SlamSystem::Mode::kBackground, std::make_unique<SlowSegmenter>(asked, go));
+  int frames = 0;
+  const auto stand = [&] {
+    RgbdFrame frame = walkingFrames()[0].frame;
+    frame.index = static_cast<std::uint64_t>(frames);
+    frame.stamp = Stamp{frame.stamp.ns + frames++ * 33333333LL};
+    system.step(frame);
+  };
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  while (asked < 2 && std::chrono::steady_clock::now() < deadline) stand();
+  ASSERT_EQ(asked, 2) << "k1, and a frame half a second or more later";
+  for (int i = 0; i < 60; ++i) stand();  // two seconds
+  go = true;
+  system.finish();
+  EXPECT_EQ(asked, 2);
+  EXPECT_EQ(system.slam().keyframeCount(), 1U);
+}
+
 TEST(SlamSystem, AFrameThatIsNotNewerIsPassedOver) {
   SlamSystem system(SystemConfig(), SlamSystem::Mode::kSynchronous);
   const auto& frames = walkingFrames();

@@ -3,6 +3,7 @@
 #include "semantic_vslam/core/pipeline/loop_closer.h"
 
 #include <optional>
+#include <string>
 
 #include "semantic_vslam/core/common/log.h"
 #include "semantic_vslam/core/loop/loop_corrector.h"
@@ -34,10 +35,13 @@ bool LoopCloser::closeAt(KeyframeId keyframe) {
   // The map that a correction was computed for may have changed meanwhile: by a bundle of the whole map, or a map
   // joined by tracking. Both are rare, so that the second or third attempt meets none.
   constexpr int kAttempts = 3;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    if (!correct(*closure)) continue;
-    logInfo("loop closed: this place was seen before");
-    return true;
+  for (int attempt = 1; attempt <= kAttempts; ++attempt) {
+    if (correct(*closure)) {
+      logInfo("loop closed: this place was seen before");
+      return true;
+    }
+    logWarning("the map changed while a loop in it was corrected, attempt " + std::to_string(attempt) + " of " +
+               std::to_string(kAttempts));
   }
   return false;
 }

@@ -37,6 +37,8 @@ PoseCost makeCost(const PoseProblem& problem, const VirtualStereo& camera, const
 SE3 minimise(const PoseCost& cost, const SE3& T0, int iterations) {
   ceres::TinySolver<PoseCost> solver;
   solver.options.max_num_iterations = iterations;
+  // Of chi-square, absolute: the step that is left is a thirtieth of the pose's standard deviation.
+  solver.options.function_tolerance = 1e-3;
   Vector6d increment = Vector6d::Zero();
   solver.Solve(cost, &increment);
   return PoseIncrement(increment.data()).apply(T0);

@@ -56,15 +56,15 @@ LocalMap selectLocalMap(const Map& map, const TrackedFrame& frame, const LocalMa
     if (parent.valid() && !full()) chosen.insert(parent);
   }
   local.keyframes.assign(chosen.begin(), chosen.end());
-  std::vector<bool> chosen_landmark(map.nextLandmark(), false);  // by id; far cheaper than to sort tens of thousands
+  std::vector<bool> taken(map.nextLandmark(), false);  // ids are dense: far cheaper than to sort tens of thousands
   for (const KeyframeId id : local.keyframes) {
     for (const LandmarkId landmark : map.keyframe(id)->landmarks) {
-      if (landmark.valid()) chosen_landmark[landmark.value()] = true;
+      if (!landmark.valid() || taken[landmark.value()]) continue;
+      taken[landmark.value()] = true;
+      local.landmarks.push_back(landmark);
     }
   }
-  for (std::size_t i = 0; i < chosen_landmark.size(); ++i) {
-    if (chosen_landmark[i]) local.landmarks.push_back(LandmarkId(i));
-  }
+  std::sort(local.landmarks.begin(), local.landmarks.end());
   return local;
 }
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
 
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/dense/cloud_file.h"
@@ -33,19 +33,16 @@ cv::Vec3f transform(const SE3& T, const cv::Vec3f& p) {
   return {q.x(), q.y(), q.z()};
 }
 
-/// Moves a pose as the nearest of the keyframes that both maps hold was moved from one to the other.
-SE3 carried(const SE3& T_world_camera, const std::map<KeyframeId, SE3>& from, const std::map<KeyframeId, SE3>& to) {
-  SE3 T_to_from = SE3::Identity();
-  double nearest_m = std::numeric_limits<double>::max();
-  for (const auto& [id, T_to_other] : to) {
-    const auto other = from.find(id);
-    if (other == from.end()) continue;
-    const double distance_m = (other->second.translation() - T_world_camera.translation()).norm();
-    if (distance_m >= nearest_m) continue;
-    nearest_m = distance_m;
-    T_to_from = T_to_other * other->second.inverse();
-  }
-  return T_to_from * T_world_camera;
+/// The keyframe nearest in time: ids are given in that order. Not the nearest in space, which may be of another visit
+/// of the place, with other drift.
+/// @param T_world_camera  not empty
+std::map<KeyframeId, SE3>::const_iterator nearestInTime(const std::map<KeyframeId, SE3>& T_world_camera,
+                                                        KeyframeId id) {
+  const auto after = T_world_camera.lower_bound(id);
+  if (after == T_world_camera.begin()) return after;
+  const auto before = std::prev(after);
+  if (after == T_world_camera.end()) return before;
+  return after->first.value() - id.value() < id.value() - before->first.value() ? after : before;
 }
 
 }  // namespace
@@ -67,7 +64,7 @@ bool DenseMapper::add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& la
   keyframes_.emplace(id, std::move(kept));
   thinToBudget();
   // What is served stays of one piece during a rebuild: the keyframe goes where it lies among the old poses.
-  integrate(id, busy() ? carried(T_world_camera, latestPoses(), served_.T_world_camera) : T_world_camera, served_);
+  integrate(id, busy() ? poseAmong(served_.T_world_camera, id) : T_world_camera, served_);
   work();
   return true;
 }
@@ -78,10 +75,11 @@ void DenseMapper::integrate(KeyframeId id, const SE3& T_world_camera, Version& v
   version.T_world_camera[id] = T_world_camera;
 }
 
-std::map<KeyframeId, SE3> DenseMapper::latestPoses() const {
-  std::map<KeyframeId, SE3> poses;
-  for (const auto& [id, kept] : keyframes_) poses[id] = kept.T_world_camera;
-  return poses;
+SE3 DenseMapper::poseAmong(const std::map<KeyframeId, SE3>& T_world_camera, KeyframeId id) const {
+  const SE3& own = keyframes_.at(id).T_world_camera;
+  if (T_world_camera.empty()) return own;
+  const auto neighbour = nearestInTime(T_world_camera, id);
+  return neighbour->second * keyframes_.at(neighbour->first).T_world_camera.inverse() * own;
 }
 
 void DenseMapper::updatePoses(const std::vector<KeyframePose>& poses) {
@@ -92,11 +90,10 @@ void DenseMapper::updatePoses(const std::vector<KeyframePose>& poses) {
     }
   }
   if (optimised.empty()) return;
-  const std::map<KeyframeId, SE3> before = latestPoses();
-  for (auto& [id, kept] : keyframes_) {
-    const auto found = optimised.find(id);
-    kept.T_world_camera = found != optimised.end() ? found->second : carried(kept.T_world_camera, before, optimised);
+  for (auto& [id, kept] : keyframes_) {  // before the others change
+    if (optimised.count(id) == 0) kept.T_world_camera = poseAmong(optimised, id);
   }
+  for (const auto& [id, T_world_camera] : optimised) keyframes_.at(id).T_world_camera = T_world_camera;
   if (!busy() && stale()) next_.emplace(Version{VoxelMap(config_.voxels), {}});
   work();
 }

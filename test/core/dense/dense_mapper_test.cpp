@@ -148,11 +148,11 @@ TEST(DenseMapper, PosesThatMoveDuringARebuildAreTakenUpAfterIt) {
   for (const auto& point : mapper.cloud()) EXPECT_NEAR(point.xyz_m[2], 4.02, 1e-5);
 }
 
-TEST(DenseMapper, ACulledKeyframeMovesWithItsNearestNeighbour) {
+TEST(DenseMapper, ACulledKeyframeMovesWithItsNeighbour) {
   DenseMapper mapper(smallConfig(), threeLabels());
   addWall(mapper, 0, SE3::Identity());
   addWall(mapper, 1, translated(5.0, 0, 0));
-  addWall(mapper, 2, translated(5.5, 0, 0));  // will be culled; nearest to 1
+  addWall(mapper, 2, translated(5.5, 0, 0));  // will be culled; next to 1
   mapper.updatePoses({{KeyframeId(0), Stamp{}, SE3::Identity()}, {KeyframeId(1), Stamp{}, translated(5.0, 1.0, 0)}});
   mapper.finish();
   EXPECT_EQ(mapper.keyframes(), 3U);
@@ -163,6 +163,19 @@ TEST(DenseMapper, ACulledKeyframeMovesWithItsNearestNeighbour) {
   }
   EXPECT_NEAR(farthest_x, 5.5 + 31 / 50.0 * 2.02, 0.01);
   EXPECT_NEAR(farthest_y, 1.0 + 23 / 50.0 * 2.02, 0.01);
+}
+
+TEST(DenseMapper, ACulledKeyframeStaysWithItsOwnVisitOfAPlace) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  addWall(mapper, 0, SE3::Identity());
+  addWall(mapper, 1, translated(10.0, 0, 0));  // will be culled; nearest in space to 7
+  addWall(mapper, 7, translated(10.1, 0, 0));
+  addWall(mapper, 8, translated(0.1, 0, 0));  // will be culled; nearest in space to 0
+  // A loop closing moves the second visit, 3 m along the wall: more than its 1.9 m in view.
+  mapper.updatePoses({{KeyframeId(0), Stamp{}, SE3::Identity()}, {KeyframeId(7), Stamp{}, translated(10.1, 3.0, 0)}});
+  mapper.finish();
+  EXPECT_EQ(mapper.voxelMap().stateAt({10.0, 0.0, 2.02}), Occupancy::kOccupied) << "1 stays with 0";
+  EXPECT_EQ(mapper.voxelMap().stateAt({0.1, 3.0, 2.02}), Occupancy::kOccupied) << "8 goes with 7";
 }
 
 TEST(DenseMapper, ThinsOldCloudsToItsMemory) {

@@ -65,7 +65,8 @@ class DenseMapper {
            const SE3& T_world_camera);
 
   /// Takes the poses of all keyframes as they stand. One that is held here but is not among them was culled: it moves
-  /// with the nearest that is left. Starts a rebuild if any pose moved far enough, and does one slice of it.
+  /// with the one nearest in time that is left. Starts a rebuild if any pose moved far enough, and does one slice of
+  /// it.
   void updatePoses(const std::vector<KeyframePose>& poses);
 
   /// A rebuild is under way: what is served has old poses.
@@ -110,7 +111,8 @@ class DenseMapper {
   };
 
   void integrate(KeyframeId id, const SE3& T_world_camera, Version& version) const;
-  std::map<KeyframeId, SE3> latestPoses() const;
+  /// Where a keyframe lies among other poses than the newest: as it lies to the one of them that is nearest in time.
+  SE3 poseAmong(const std::map<KeyframeId, SE3>& T_world_camera, KeyframeId id) const;
   bool stale() const;
   void thinToBudget();
 

@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/log.h"
 #include "semantic_vslam/core/dense/cloud_file.h"
 
 namespace semantic_vslam {
 namespace {
-
-// A cloud thinned so often has a 64th of its points or less, and is coarser than the voxels: it stays as it is.
-constexpr int kMostThinned = 3;
 
 const DenseConfig& validated(const DenseConfig& config) {
   validateConfig(config);
@@ -62,9 +61,9 @@ bool DenseMapper::add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& la
   kept.T_world_camera = T_world_camera;
   kept_bytes_ += bytesOf(kept.cloud, kept.view);
   keyframes_.emplace(id, std::move(kept));
-  thinToBudget();
   // What is served stays of one piece during a rebuild: the keyframe goes where it lies among the old poses.
   integrate(id, busy() ? poseAmong(served_.T_world_camera, id) : T_world_camera, served_);
+  keepToBudget();  // only now: what is served has every keyframe in full
   work();
   return true;
 }
@@ -90,7 +89,8 @@ void DenseMapper::updatePoses(const std::vector<KeyframePose>& poses) {
     }
   }
   if (optimised.empty()) return;
-  for (auto& [id, kept] : keyframes_) {  // before the others change
+  for (auto& [id, kept] : keyframes_) {                                        // before the others change
+    kept.culled = optimised.count(id) == 0 && id < optimised.rbegin()->first;  // a newer one is not listed yet
     if (optimised.count(id) == 0) kept.T_world_camera = poseAmong(optimised, id);
   }
   for (const auto& [id, T_world_camera] : optimised) keyframes_.at(id).T_world_camera = T_world_camera;
@@ -127,20 +127,33 @@ void DenseMapper::finish() {
   while (busy()) work();
 }
 
-void DenseMapper::thinToBudget() {
+void DenseMapper::keepToBudget() {
   const auto budget_bytes = static_cast<std::size_t>(config_.memory_mb) << 20;
-  for (int thinned = 0; thinned < kMostThinned && kept_bytes_ > budget_bytes; ++thinned) {
-    for (auto& [id, kept] : keyframes_) {
-      if (kept_bytes_ <= budget_bytes) return;
-      if (kept.thinned != thinned) continue;
-      kept_bytes_ -= bytesOf(kept.cloud, kept.view);
-      const double cell_m = config_.cloud_resolution_m * (2 << kept.thinned);
-      kept.cloud.points = voxelFilter(kept.cloud.points, cell_m);
-      kept.cloud.points.shrink_to_fit();
-      ++kept.thinned;
-      kept_bytes_ += bytesOf(kept.cloud, kept.view);
-    }
+  // Points half a voxel apart hit every voxel of a surface, however it is turned; at 0.7 voxels 0.2 % are missed, at
+  // one voxel 10 %.
+  const double cell_m = config_.voxels.resolution_m / 2.0;
+  for (auto it = keyframes_.begin(); it != keyframes_.end() && kept_bytes_ > budget_bytes; ++it) {
+    Kept& kept = it->second;
+    if (std::exchange(kept.thinned, true) || cell_m <= config_.cloud_resolution_m) continue;
+    kept_bytes_ -= bytesOf(kept.cloud, kept.view);
+    kept.cloud.points = voxelFilter(kept.cloud.points, cell_m);
+    kept_bytes_ += bytesOf(kept.cloud, kept.view);
   }
+  if (kept_bytes_ <= budget_bytes) return;
+  if (!std::exchange(warned_, true)) {
+    logWarning("the dense map's keyframes fill dense.memory_mb (" + std::to_string(config_.memory_mb) +
+               "): those that the sparse map has dropped are forgotten, those that it holds are not");
+  }
+  for (auto it = keyframes_.begin(); it != keyframes_.end() && kept_bytes_ > budget_bytes;) {
+    it = it->second.culled ? forget(it) : std::next(it);
+  }
+}
+
+std::map<KeyframeId, DenseMapper::Kept>::iterator DenseMapper::forget(std::map<KeyframeId, Kept>::iterator keyframe) {
+  kept_bytes_ -= bytesOf(keyframe->second.cloud, keyframe->second.view);
+  served_.T_world_camera.erase(keyframe->first);
+  if (next_) next_->T_world_camera.erase(keyframe->first);
+  return keyframes_.erase(keyframe);
 }
 
 std::vector<LabelledPoint> DenseMapper::cloud() const {

@@ -112,6 +112,7 @@ std::vector<LabelledPoint> voxelFilter(const std::vector<LabelledPoint>& points,
       cell = CellMean();
     }
   }
+  filtered.shrink_to_fit();  // keyframes keep it for long
   return filtered;
 }
 

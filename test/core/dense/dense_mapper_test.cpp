@@ -178,14 +178,106 @@ TEST(DenseMapper, ACulledKeyframeStaysWithItsOwnVisitOfAPlace) {
   EXPECT_EQ(mapper.voxelMap().stateAt({0.1, 3.0, 2.02}), Occupancy::kOccupied) << "8 goes with 7";
 }
 
-TEST(DenseMapper, ThinsOldCloudsToItsMemory) {
-  DenseConfig config = smallConfig();
-  config.memory_mb = 8;  // 3072 points of 16 bytes and a 16x12 view: 49.5 kB a keyframe, so 169 fit
+/// A wall 2.025 m away as a Kinect sees it.
+bool addKinectWall(DenseMapper& mapper, std::uint64_t id, const SE3& T_world_camera) {
+  static const auto camera = std::make_shared<const CameraModel>(CameraIntrinsics());
+  static const cv::Size size(camera->width(), camera->height());
+  static const RgbdFrame frame =
+      makeRgbdFrame(0, Stamp{1000}, cv::Mat3b(size, cv::Vec3b(10, 20, 30)), cv::Mat1f(size, 2.025F), 1.0, camera);
+  return mapper.add(KeyframeId(id), frame, cv::Mat1b(), cv::Mat1b(), T_world_camera);
+}
+
+SE3 turned(double yaw_rad, double roll_rad) {
+  SE3 T = SE3::Identity();
+  T.linear() =
+      (Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ()))
+          .toRotationMatrix();
+  return T;
+}
+
+std::size_t keptBytes(const DenseMapper& mapper) { return mapper.memoryBytes() - mapper.voxelMap().memoryBytes(); }
+
+/// Share of the voxels that a wall 2.025 m before the camera surely passes through which are not occupied.
+double shareOfHoles(const VoxelMap& map, const SE3& T_world_camera) {
+  int passed = 0, holes = 0;
+  const SE3 T_camera_world = T_world_camera.inverse();
+  for (double x = -1.1; x < 1.1; x += 0.01) {
+    for (double y = -0.8; y < 0.8; y += 0.01) {
+      const Eigen::Vector3d centre = map.centre(map.voxelAt(T_world_camera * Eigen::Vector3d(x, y, 2.025)).index);
+      if (std::abs((T_camera_world * centre).z() - 2.025) > 0.2 * map.resolution()) continue;
+      ++passed;
+      if (map.stateAt(centre) != Occupancy::kOccupied) ++holes;
+    }
+  }
+  return static_cast<double>(holes) / passed;
+}
+
+TEST(DenseMapper, ThinnedCloudsLeaveNoHolesInARebuiltMap) {
+  DenseConfig config;
+  config.memory_mb = 8;
+  DenseMapper mapper(config, threeLabels()), roomy(DenseConfig(), threeLabels());
+  // Apart from each other, so that no keyframe fills the holes of another. With 0.37 MB each at half a
+  // voxel they need more than they may, and still none is thinned further.
+  constexpr int kKeyframes = 48;
+  std::vector<KeyframePose> poses;
+  for (int i = 0; i < kKeyframes; ++i) {
+    const SE3 T = translated(5.0 * i, 0, 0) * turned(0.05 * i, 0.07 * i);
+    ASSERT_TRUE(addKinectWall(mapper, i, T) && addKinectWall(roomy, i, T));
+    EXPECT_EQ(shareOfHoles(mapper.voxelMap(), T), 0.0) << "added, " << i;
+    poses.push_back({KeyframeId(i), Stamp{}, translated(0, 0, 0.6) * T});
+  }
+  EXPECT_EQ(mapper.voxels(), roomy.voxels()) << "thinned only after it was added";
+  mapper.updatePoses(poses);
+  mapper.finish();
+  ASSERT_EQ(mapper.rebuilds(), 1U);
+  for (int i = 0; i < kKeyframes; ++i) {
+    EXPECT_EQ(shareOfHoles(mapper.voxelMap(), poses[i].T_world_camera), 0.0) << "rebuilt, " << i;
+  }
+}
+
+TEST(DenseMapper, KeepsToItsMemoryHoweverManyKeyframesAreCulled) {
+  DenseConfig config;
+  config.memory_mb = 8;  // 210 of the views alone
+  config.keyframe.stride_px = 16;
   DenseMapper mapper(config, threeLabels());
-  for (std::uint64_t id = 0; id < 200; ++id) addWall(mapper, id, SE3::Identity());
-  EXPECT_EQ(mapper.keyframes(), 200U);
-  EXPECT_LE(mapper.memoryBytes() - mapper.voxelMap().memoryBytes(), 8U << 20);
-  EXPECT_EQ(mapper.voxelMap().stateAt({0, 0, 2.02}), Occupancy::kOccupied);
+  std::vector<KeyframePose> poses;
+  for (std::uint64_t id = 0; id < 300; ++id) {
+    ASSERT_TRUE(addKinectWall(mapper, id, SE3::Identity()));
+    ASSERT_LE(keptBytes(mapper), 8U << 20) << id;
+    // Every tenth stays; the newest is not culled before its time.
+    while (!poses.empty() && poses.back().keyframe.value() % 10 != 0) poses.pop_back();
+    if (id > 0) poses.push_back({KeyframeId(id - 1), Stamp{}, SE3::Identity()});
+    mapper.updatePoses(poses);
+  }
+  EXPECT_LT(mapper.keyframes(), 210U);
+  EXPECT_FALSE(mapper.cloud().empty());
+  // Those that were not culled are all still there: a keyframe is refused only if it is known.
+  for (std::uint64_t id = 0; id < 300; id += 10) EXPECT_FALSE(addKinectWall(mapper, id, SE3::Identity())) << id;
+  EXPECT_FALSE(addKinectWall(mapper, 299, SE3::Identity()));
+}
+
+TEST(DenseMapper, AForgottenKeyframeLeavesTheVoxelsAtTheNextRebuild) {
+  DenseConfig config = smallConfig();
+  config.memory_mb = 8;
+  DenseMapper mapper(config, threeLabels());
+  addWall(mapper, 0, SE3::Identity());
+  addWall(mapper, 1, translated(20.0, 0, 0));
+  addWall(mapper, 2, translated(10.0, 0, 0));
+  mapper.updatePoses({{KeyframeId(0), Stamp{}, SE3::Identity()}, {KeyframeId(2), Stamp{}, translated(10.0, 0, 0)}});
+  const auto reaches = [](const std::vector<LabelledPoint>& cloud) {
+    return std::any_of(cloud.begin(), cloud.end(), [](const auto& point) { return point.xyz_m[0] > 15.0F; });
+  };
+  ASSERT_TRUE(reaches(mapper.cloud()));
+  // 169 fit; 1 is the only one that may go.
+  for (std::uint64_t id = 3; id < 175; ++id) addWall(mapper, id, SE3::Identity());
+  EXPECT_EQ(mapper.keyframes(), 174U);
+  EXPECT_FALSE(reaches(mapper.cloud()));
+  EXPECT_EQ(mapper.voxelMap().stateAt({20.0, 0, 2.02}), Occupancy::kOccupied);
+  EXPECT_FALSE(mapper.busy());
+  mapper.updatePoses({{KeyframeId(0), Stamp{}, translated(0, 1.0, 0)}});
+  mapper.finish();
+  EXPECT_EQ(mapper.voxelMap().stateAt({20.0, 0, 2.02}), Occupancy::kUnknown);
+  EXPECT_EQ(mapper.voxelMap().stateAt({10.0, 0.5, 2.02}), Occupancy::kOccupied);
 }
 
 TEST(DenseMapper, ClearForgetsEverything) {

@@ -89,8 +89,9 @@ void DenseMapper::updatePoses(const std::vector<KeyframePose>& poses) {
     }
   }
   if (optimised.empty()) return;
-  for (auto& [id, kept] : keyframes_) {                                        // before the others change
-    kept.culled = optimised.count(id) == 0 && id < optimised.rbegin()->first;  // a newer one is not listed yet
+  for (auto& [id, kept] : keyframes_) {  // before the others change
+    // A keyframe newer than all of them is not listed yet.
+    kept.culled = optimised.count(id) == 0 && id < optimised.rbegin()->first;
     if (optimised.count(id) == 0) kept.T_world_camera = poseAmong(optimised, id);
   }
   for (const auto& [id, T_world_camera] : optimised) keyframes_.at(id).T_world_camera = T_world_camera;

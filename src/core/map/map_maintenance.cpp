@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "semantic_vslam/core/map/visibility.h"
 
@@ -77,22 +78,32 @@ KeyframeId insertKeyframe(Map& map, const TrackedFrame& frame, const SensorConfi
 }
 
 int cullRecentLandmarks(Map& map, KeyframeId newest, const MapMaintenanceConfig& config) {
-  std::vector<LandmarkId> dropped;
-  const auto roots = map.roots();
-  for (const auto& [id, landmark] : map.landmarks()) {
-    const std::uint64_t age = newest.value() - landmark.created_in.value();
-    if (age > static_cast<std::uint64_t>(config.probation_keyframes)) continue;
-    const bool rarely_found = landmark.found_count < config.min_found_share * landmark.visible_count;
+  const KeyframeId tree = map.rootOf(newest);
+  std::map<KeyframeId, KeyframeId> tree_of;
+  const std::size_t held = map.landmarks().size();
+  std::size_t passed = 0, dropped = 0;
+  // From the newest down to the first that is not recent, or to the last there is: ids grow with time. Tracking waits
+  // meanwhile, so the map's size must not count.
+  for (std::uint64_t id = map.nextLandmark(); passed < held && id > 0;) {
+    const Landmark* landmark = map.landmark(LandmarkId(--id));
+    if (!landmark) continue;
+    ++passed;
+    if (newest < landmark->created_in) continue;
+    const std::uint64_t age = newest.value() - landmark->created_in.value();
+    if (age > static_cast<std::uint64_t>(config.probation_keyframes)) break;
+    const bool rarely_found = landmark->found_count < config.min_found_share * landmark->visible_count;
     // Its depth confirms a point once, so a second keyframe is enough.
     const bool unconfirmed =
-        age + 1 >= static_cast<std::uint64_t>(config.probation_keyframes) && landmark.observations.size() < 2;
+        age + 1 >= static_cast<std::uint64_t>(config.probation_keyframes) && landmark->observations.size() < 2;
     if (!rarely_found && !unconfirmed) continue;
     // Keyframes of a map begun elsewhere had no chance to see it.
-    if (roots.at(landmark.reference_keyframe) == roots.at(newest)) dropped.push_back(id);
+    const auto [its, is_new] = tree_of.try_emplace(landmark->reference_keyframe);
+    if (is_new) its->second = map.rootOf(its->first);
+    if (its->second != tree) continue;
+    map.removeLandmark(landmark->id);
+    ++dropped;
   }
-  std::sort(dropped.begin(), dropped.end());
-  for (const LandmarkId id : dropped) map.removeLandmark(id);
-  return static_cast<int>(dropped.size());
+  return static_cast<int>(dropped);
 }
 
 int fuseInto(Map& map, const std::vector<LandmarkId>& landmarks, KeyframeId keyframe_id, double virtual_baseline_m,

@@ -168,16 +168,15 @@ void TrackingPublisher::publishPaths(const std_msgs::Header& image, const Sparse
   KeyframePoseArray keyframes = keyframePoses(slam, image);
   if (keyframes.keyframes != last_keyframe_poses_.keyframes) publishKeyframePoses(std::move(keyframes));
   if (path_.getNumSubscribers() == 0) return;
-  const std::vector<TimedPose> poses = trajectory(slam);
-  const std::size_t stride = 1 + poses.size() / kLongestPath;
+  const std::vector<TimedPose> poses = trajectory(slam, kLongestPath);
   nav_msgs::Path path;
   path.header.stamp = image.stamp;
   path.header.frame_id = frames_.map_frame;
-  for (std::size_t i = 0; i < poses.size(); i += stride) {
+  for (const TimedPose& timed : poses) {
     geometry_msgs::PoseStamped pose;
-    pose.header.stamp = toRos(poses[i].stamp);
+    pose.header.stamp = toRos(timed.stamp);
     pose.header.frame_id = frames_.map_frame;
-    pose.pose = toPose(poses[i].T_world_camera);
+    pose.pose = toPose(timed.T_world_camera);
     path.poses.push_back(pose);
   }
   path_.publish(path);
@@ -199,8 +198,8 @@ void TrackingPublisher::publishState(const std_msgs::Header& image, const Sparse
   state_.publish(message);
 }
 
-std::vector<TimedPose> TrackingPublisher::trajectory(const SparseSlam& slam) const {
-  std::vector<TimedPose> poses = slam.trajectory();
+std::vector<TimedPose> TrackingPublisher::trajectory(const SparseSlam& slam, std::size_t most) const {
+  std::vector<TimedPose> poses = slam.trajectory(most);
   std::lock_guard<std::mutex> lock(mutex_);
   if (!T_map_world_) return {};
   for (TimedPose& pose : poses) pose.T_world_camera = *T_map_world_ * pose.T_world_camera;

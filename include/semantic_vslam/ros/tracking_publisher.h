@@ -6,6 +6,7 @@
 #include <ros/node_handle.h>
 #include <semantic_vslam/KeyframePoseArray.h>
 #include <std_msgs/Header.h>
+#include <limits>
 
 #include <cmath>
 #include <cstdint>
@@ -64,8 +65,9 @@ class TrackingPublisher {
   /// The map was dropped or another was loaded: says so to whoever keeps its keyframes. Not during publish().
   void startMap(Anchor anchor);
 
-  /// @return every frame's optical frame in the map.
-  std::vector<TimedPose> trajectory(const SparseSlam& slam) const;
+  /// @param most  see SparseSlam::trajectory()  @return every frame's optical frame in the map.
+  std::vector<TimedPose> trajectory(const SparseSlam& slam,
+                                    std::size_t most = std::numeric_limits<std::size_t>::max()) const;
   const TfPublisher& tf() const { return tf_; }
 
  private:

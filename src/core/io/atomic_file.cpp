@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -15,10 +16,13 @@
 namespace semantic_vslam {
 namespace {
 
+/// No two writers share one, not even those of one file.
 std::string temporaryName(const std::string& path) {
+  static std::atomic<int> writers{0};
   const std::size_t slash = path.rfind('/');
   const std::size_t name = slash == std::string::npos ? 0 : slash + 1;
-  return path.substr(0, name) + ".writing-" + std::to_string(getpid()) + "-" + path.substr(name);
+  return path.substr(0, name) + ".writing-" + std::to_string(getpid()) + "-" + std::to_string(writers++) + "-" +
+         path.substr(name);
 }
 
 [[noreturn]] void throwCannotWrite(const std::string& path, int error) {

@@ -44,7 +44,7 @@ std::vector<KeyframeId> abandonedTrees(const Map& map, KeyframeId camera_at, int
   const KeyframeId own_root = map.rootOf(camera_at);
   std::vector<KeyframeId> abandoned;
   for (const auto& [root, keyframes] : sizes) {
-    if (keyframes < min_keyframes && root != map.worldRoot() && root != own_root) abandoned.push_back(root);
+    if (keyframes < min_keyframes && root != own_root) abandoned.push_back(root);
   }
   return abandoned;
 }

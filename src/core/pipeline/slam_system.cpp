@@ -181,6 +181,9 @@ void SlamSystem::mapKeyframe(KeyframeJob job) {
 void SlamSystem::mapPlaced() {
   waiting_.keepOnly([this](KeyframeId id) { return slam_.holds(id); });
   const auto poses = slam_.keyframePoses();
+  const KeyframeId world = poses.empty() ? KeyframeId() : poses.front().keyframe;
+  if (world != world_ && world_.valid()) dense_.clear();  // what it shows was too little for the sparse map to keep
+  world_ = world;
   waiting_.place(poses, dense_);
   dense_.updatePoses(poses);
 }

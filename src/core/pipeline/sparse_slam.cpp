@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/pipeline/sparse_slam.h"
 
+#include <functional>
 #include <utility>
 
 #include "semantic_vslam/core/common/config_fields.h"
@@ -59,12 +60,18 @@ SparseStep SparseSlam::step(const RgbdFrame& frame, const cv::Mat1b& dynamic, St
 SparseStep SparseSlam::trackLocked(const TrackedFrame& frame) {
   SparseStep step;
   const bool mapper_idle = pending_ == 0;
+  const KeyframeId world = shared_.map.worldRoot();
   step.tracking = shared_.tracker.track(frame, shared_.map, mapper_idle);
+  // Only a place of the world is of use where no map can grow to be joined with it.
+  if (step.tracking.state == TrackingState::kOk && localization_only_ &&
+      !shared_.map.isPlaced(step.tracking.reference)) {
+    step.tracking.state = TrackingState::kLost;
+  }
   relocaliseLocked(frame, step.tracking);
   if (step.tracking.state == TrackingState::kLost && !localization_only_) {
     step.tracking.first_frame = shared_.tracker.offerForNewMap(frame);
   }
-  if (step.tracking.first_frame) {
+  if (step.tracking.first_frame && !localization_only_) {
     if (!shared_.map.keyframes().empty()) {
       logWarning("lost for long: a new map is begun, to be joined at a known place");
     }
@@ -79,6 +86,7 @@ SparseStep SparseSlam::trackLocked(const TrackedFrame& frame) {
   if (step.tracking.reference.valid() && !shared_.map.isPlaced(step.tracking.reference)) {
     step.tracking.state = TrackingState::kLost;
   }
+  step.new_world = world.valid() && shared_.map.worldRoot() != world;
   return step;
 }
 
@@ -127,7 +135,10 @@ void SparseSlam::seekWorldLocked(const TrackedFrame& frame, SparseStep& step) {
 
 void SparseSlam::relocaliseLocked(const TrackedFrame& frame, TrackingResult& result) {
   if (result.state != TrackingState::kRecentlyLost && result.state != TrackingState::kLost) return;
-  const auto found = relocalise(shared_.map, shared_.places, frame, config_.tracking.frame, config_.relocalisation);
+  std::function<bool(KeyframeId)> among;
+  if (localization_only_) among = [this](KeyframeId id) { return shared_.map.isPlaced(id); };
+  const auto found =
+      relocalise(shared_.map, shared_.places, frame, config_.tracking.frame, config_.relocalisation, among);
   if (!found) return;
   TrackedFrame placed = frame;
   placed.T_camera_world = found->T_camera_world;
@@ -239,6 +250,17 @@ void SparseSlam::reset() {
   shared_.tracker.reset();
 }
 
+void SparseSlam::startTimeAnew() {
+  std::lock_guard<std::mutex> lock(shared_.mutex);
+  seeker_.reset();
+  shared_.trajectory.clear();
+  if (shared_.map.keyframes().empty()) {
+    shared_.tracker.reset();
+  } else {
+    shared_.tracker.awaitRelocalisation();
+  }
+}
+
 void SparseSlam::saveMap(const std::string& path) const {
   // Written from a copy: a slow disk must not hold up tracking.
   const Map map = [this] {
@@ -259,6 +281,8 @@ void SparseSlam::loadMap(SavedMap saved) {
   waitForUpkeep();
   global_ba_.cancel();
   std::lock_guard<std::mutex> lock(shared_.mutex);
+  // A bundle of the map before must not fit the new one.
+  while (saved.map.version() <= shared_.map.version()) saved.map.bumpVersion();
   shared_.map = std::move(saved.map);
   shared_.places = std::move(saved.places);
   loops_.resetLocked();
@@ -267,9 +291,9 @@ void SparseSlam::loadMap(SavedMap saved) {
   shared_.tracker.awaitRelocalisation();
 }
 
-std::vector<TimedPose> SparseSlam::trajectory() const {
+std::vector<TimedPose> SparseSlam::trajectory(std::size_t most) const {
   std::lock_guard<std::mutex> lock(shared_.mutex);
-  return shared_.trajectory.poses(shared_.map);
+  return shared_.trajectory.poses(shared_.map, most);
 }
 
 std::vector<KeyframePose> SparseSlam::keyframePoses() const {

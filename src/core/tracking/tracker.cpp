@@ -39,6 +39,7 @@ TrackingResult Tracker::track(TrackedFrame frame, const Map& map, bool mapper_id
 
   result.state = state_ = TrackingState::kOk;
   lost_since_.reset();
+  initializer_.reset();  // what it kept while the camera was lost is old the next time
   result.T_camera_world = frame.T_camera_world;
   result.covariance = estimate.covariance;
   result.reference = reference_;

@@ -30,12 +30,13 @@ TrajectoryLog::Entry TrajectoryLog::inherited(Entry entry) const {
   return entry;
 }
 
-std::vector<TimedPose> TrajectoryLog::poses(const Map& map) const {
+std::vector<TimedPose> TrajectoryLog::poses(const Map& map, std::size_t most) const {
+  const std::size_t stride = 1 + entries_.size() / std::max<std::size_t>(most, 1);
   std::vector<TimedPose> out;
-  out.reserve(entries_.size());
+  out.reserve(entries_.size() / stride + 1);
   const auto roots = map.roots();
-  for (const Entry& recorded : entries_) {
-    const Entry entry = inherited(recorded);
+  for (std::size_t i = 0; i < entries_.size(); i += stride) {
+    const Entry entry = inherited(entries_[i]);
     const Keyframe* keyframe = map.keyframe(entry.reference);
     assert(keyframe);
     if (roots.at(entry.reference) != map.worldRoot()) continue;

@@ -36,10 +36,18 @@ class Kidnap {
       frame.index = index_;
       frame.stamp = Stamp::fromSeconds(1.0 + static_cast<double>(index_++) / 30.0);
       truth_.push_back({frame.stamp, rendered.T_world_camera});
-      state = slam_.step(frame, {}, times_).tracking.state;
+      const SparseStep step = slam_.step(frame, {}, times_);
+      state = step.tracking.state;
+      new_worlds_ += step.new_world ? 1 : 0;
     }
     return state;
   }
+  /// The stamps to come are those of the start again.
+  void setClockBack() {
+    index_ = 0;
+    slam_.startTimeAnew();
+  }
+  int newWorlds() const { return new_worlds_; }
   SparseSlam& slam() { return slam_; }
   double error_m() const { return absoluteTrajectoryError(truth_, slam_.trajectory()).translation_m.max; }
   std::size_t frames() const { return truth_.size(); }
@@ -57,13 +65,14 @@ class Kidnap {
   StageTimes times_;
   SparseSlam slam_;
   std::uint64_t index_ = 0;
+  int new_worlds_ = 0;
   std::vector<TimedPose> truth_;
 };
 
 TEST(NewMap, IsBegunAtAnUnknownPlaceAndJoinedWhenTheOldOneIsSeenAgain) {
   Kidnap kidnap;
   SparseSlam& slam = kidnap.slam();
-  ASSERT_EQ(kidnap.turn(0.0, 1.5), TrackingState::kOk);
+  ASSERT_EQ(kidnap.turn(0.0, 2.5), TrackingState::kOk);
   const std::size_t old_keyframes = slam.keyframeCount(), old_poses = slam.trajectory().size();
 
   EXPECT_EQ(kidnap.turn(6.0, 4.5), TrackingState::kLost) << "where the new map lies is not known";
@@ -75,6 +84,7 @@ TEST(NewMap, IsBegunAtAnUnknownPlaceAndJoinedWhenTheOldOneIsSeenAgain) {
   EXPECT_EQ(slam.keyframePoses().size(), slam.keyframeCount()) << "all of it has its place";
   EXPECT_GT(slam.trajectory().size(), kidnap.frames() - 15) << "but for the frames before the new map was begun";
   EXPECT_LT(kidnap.error_m(), 0.05);
+  EXPECT_EQ(kidnap.newWorlds(), 0);
 }
 
 /// Keyframes that are in the map but have no place in the world.
@@ -90,7 +100,7 @@ std::vector<KeyframeId> awaitingPlace(const SparseSlam& slam) {
 TEST(NewMap, IsDroppedWhenLostAgainAtOnce) {
   Kidnap kidnap;
   SparseSlam& slam = kidnap.slam();
-  ASSERT_EQ(kidnap.turn(0.0, 0.5), TrackingState::kOk);
+  ASSERT_EQ(kidnap.turn(0.0, 2.5), TrackingState::kOk);
   const std::size_t world = slam.keyframeCount();
   kidnap.turn(6.0, 5.5);
   const std::vector<KeyframeId> lost = awaitingPlace(slam);
@@ -113,6 +123,36 @@ TEST(NewMap, IsNotBegunInLocalisationOnlyMode) {
   kidnap.slam().setLocalizationOnly(true);
   EXPECT_EQ(kidnap.turn(6.0, 5.0), TrackingState::kLost);
   EXPECT_EQ(kidnap.slam().keyframeCount(), keyframes);
+}
+
+TEST(NewMap, TakesThePlaceOfAWorldThatIsTooSmallToBeFoundAgain) {
+  Kidnap kidnap;
+  ASSERT_EQ(kidnap.turn(0.0, 0.3), TrackingState::kOk);
+  ASSERT_LT(static_cast<int>(kidnap.slam().keyframeCount()), MapMaintenanceConfig().min_tree_keyframes);
+  EXPECT_EQ(kidnap.turn(6.0, 4.5), TrackingState::kOk) << "nobody waits for the old place";
+  EXPECT_EQ(kidnap.newWorlds(), 1);
+  EXPECT_EQ(kidnap.slam().keyframePoses().size(), kidnap.slam().keyframeCount());
+  EXPECT_GT(kidnap.slam().trajectory().size(), 25U);
+  EXPECT_LT(kidnap.error_m(), 0.05) << "no pose of the old world is left";
+}
+
+TEST(NewMap, TheFirstOneIsNotBegunInLocalisationOnlyModeEither) {
+  Kidnap kidnap;
+  kidnap.slam().setLocalizationOnly(true);
+  EXPECT_EQ(kidnap.turn(0.0, 0.5), TrackingState::kInitialising);
+  EXPECT_EQ(kidnap.slam().keyframeCount(), 0U);
+  kidnap.slam().setLocalizationOnly(false);
+  EXPECT_EQ(kidnap.turn(0.5, 1.0), TrackingState::kOk);
+}
+
+TEST(NewMap, IsNotNeededWhenTheClockIsSetBack) {
+  Kidnap kidnap;
+  ASSERT_EQ(kidnap.turn(0.0, 1.5), TrackingState::kOk);
+  const std::size_t keyframes = kidnap.slam().keyframeCount();
+  kidnap.setClockBack();
+  EXPECT_EQ(kidnap.turn(1.0, 0.5), TrackingState::kOk) << "found in the map, which stays";
+  EXPECT_GE(kidnap.slam().keyframePoses().size(), keyframes);
+  EXPECT_LE(kidnap.slam().trajectory().size(), 16U);
 }
 
 }  // namespace

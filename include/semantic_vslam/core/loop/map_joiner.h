@@ -20,7 +20,8 @@ namespace semantic_vslam {
 /// @return whether there were two trees
 bool joinTrees(Map& map, LoopClosure& closure);
 
-/// Trees besides the world's and the camera's own with too few keyframes for the camera to come upon them again.
+/// Trees besides the camera's own with too few keyframes for the camera to come upon them again. The world's may be
+/// one: the oldest of the others is the world then.
 /// @param camera_at  any keyframe of the camera's tree  @return their roots, oldest first
 std::vector<KeyframeId> abandonedTrees(const Map& map, KeyframeId camera_at, int min_keyframes);
 

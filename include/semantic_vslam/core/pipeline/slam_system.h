@@ -120,6 +120,7 @@ class SlamSystem {
   SparseSlam slam_;
   DenseMapper dense_;                     // used by the worker
   WaitingKeyframes waiting_;              // used by the worker
+  KeyframeId world_;                      // used by the worker: first keyframe of the map that dense_ shows
   std::optional<Stamp> last_stamp_;       // used by observe()
   Stamp last_submitted_;                  // used by track()
   std::optional<KeyframeJob> candidate_;  ///< k1, until initialisation has made it the first keyframe

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -29,6 +30,7 @@ struct SparseStep {
   std::optional<KeyframeId> first_keyframe;  ///< k1, when this frame completed the initialisation
   Stamp first_stamp;                         ///< of k1
   std::optional<KeyframeId> keyframe;        ///< this frame, if it became a keyframe
+  bool new_world = false;  ///< what was mapped before was too little to keep: poses are relative to another map now
 };
 
 /// A map from a file, its places indexed.
@@ -64,7 +66,10 @@ class SparseSlam {
   void finish();
   /// Forgets map and trajectory.
   void reset();
-  /// In localisation-only mode the map is read, never changed.
+  /// The stamps to come are older than those before: the map stays, the camera is looked for in it, and the trajectory
+  /// begins anew.
+  void startTimeAnew();
+  /// In localisation-only mode the map is read, never changed, nor is one begun.
   void setLocalizationOnly(bool on) { localization_only_ = on; }
 
   /// Writes the sparse map, whole or not at all. @throws FileError
@@ -77,7 +82,8 @@ class SparseSlam {
   void loadMap(const std::string& path) { loadMap(readMap(path)); }
 
   /// Of all frames whose place in the world is known; those of a new map come in when it is joined with the old one.
-  std::vector<TimedPose> trajectory() const;
+  /// @param most  of a longer one every second, third, ... frame
+  std::vector<TimedPose> trajectory(std::size_t most = std::numeric_limits<std::size_t>::max()) const;
   /// Of the keyframes whose place in the world is known.
   std::vector<KeyframePose> keyframePoses() const;
   /// Whether a keyframe is in the map; one that is, but not among keyframePoses(), waits for its map to be joined.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <unordered_map>
 #include <vector>
 
@@ -19,9 +20,10 @@ class TrajectoryLog {
   void keyframeRemoved(const Map& map, const Keyframe& keyframe);
   /// Call after whole trees have left the map: poses relative to their keyframes are dropped.
   void treesRemoved(const Map& map);
+  /// @param most  of more frames every second, third, ... is taken
   /// @return the poses whose place in the world is known, at the keyframes' present places, in the order they were
   /// added.
-  std::vector<TimedPose> poses(const Map& map) const;
+  std::vector<TimedPose> poses(const Map& map, std::size_t most = std::numeric_limits<std::size_t>::max()) const;
   std::size_t size() const { return entries_.size(); }
   void clear();
 

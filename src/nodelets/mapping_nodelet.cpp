@@ -52,7 +52,7 @@ struct MappingNodeletConfig {
 };
 
 /// Images and poses of keyframes, motion masks and labels -> mapping/{semantic_cloud, octomap_binary, octomap_full,
-/// projected_map, objects}, latched. The maps follow tracking/keyframe_poses. All work on the map is done by one
+/// projected_map, objects}. The maps follow tracking/keyframe_poses. All work on the map is done by one
 /// worker.
 class MappingNodelet final : public StageNodelet {
  public:
@@ -60,6 +60,7 @@ class MappingNodelet final : public StageNodelet {
 
  private:
   using Task = std::function<void()>;
+  static constexpr std::size_t kQueue = 64;
 
   void start() override;
   void advertiseServices(ros::NodeHandle private_nh);
@@ -76,7 +77,7 @@ class MappingNodelet final : public StageNodelet {
   void work(const Task& task);
   void takeChanges();
   void integrate(const KeyframeStamped& keyframe, const KeyframeImages& images);
-  void placeWaiting();
+  void placeWaiting(const std::vector<KeyframePose>& poses);
   void startMap(std::uint32_t map_id);
   void publishMaps();
   void save();
@@ -89,10 +90,12 @@ class MappingNodelet final : public StageNodelet {
   WaitingKeyframes waiting_;               // worker only
   std::optional<MapPublisher> publisher_;  // worker only
   std::size_t published_rebuilds_ = 0;     // worker only
+  ros::SteadyTime next_publication_;       // worker only; not before
   std::mutex mutex_;
   KeyframePoseArrayConstPtr new_poses_;    // guarded by mutex_
   std::optional<LabelSet> new_label_set_;  // guarded by mutex_
   std::atomic<bool> publication_due_{false};
+  std::atomic<double> publication_s_{0.0};  // what the last one took
   std::atomic<std::uint32_t> newest_map_id_{0};
   std::atomic<std::size_t> keyframes_{0}, voxels_{0}, waiting_count_{0};
 
@@ -124,7 +127,7 @@ void MappingNodelet::start() {
   diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "mapping", config_.budget_ms);
   publisher_.emplace(nh, config_.map_frame, config_.objects);
   worker_ = std::make_unique<Worker<Task>>(
-      64, QueuePolicy::kBlock, [this](const Task& task) { work(task); }, WorkerPriority::kKeyframes);
+      kQueue, QueuePolicy::kBlock, [this](const Task& task) { work(task); }, WorkerPriority::kKeyframes);
   inputs_ = std::make_unique<KeyframeInputs>(nh, private_nh, config_.inputs);
   // Services wait for the worker: they get threads of their own, so that images still come in meanwhile.
   advertiseServices(getMTPrivateNodeHandle());
@@ -158,6 +161,11 @@ void MappingNodelet::report(StageDiagnostics::Status& status) {
   status.add("keyframes in the map", keyframes_.load());
   status.add("keyframes whose place is not known yet", waiting_count_.load());
   status.add("voxels", voxels_.load());
+  status.addf("last publication", "%.2f s", publication_s_.load());
+  if (worker_->waiting() > kQueue / 2) {
+    status.mergeSummaryf(diagnostic_msgs::DiagnosticStatus::WARN, "%zu keyframes wait to be mapped",
+                         worker_->waiting());
+  }
 }
 
 /// Waits until the worker has done it; what it throws is thrown here.
@@ -208,10 +216,17 @@ void MappingNodelet::onTimer() {
   wakeWorker();
 }
 
+/// A large map takes seconds to publish: three quarters of the time are left to the keyframes that wait.
 void MappingNodelet::work(const Task& task) {
+  constexpr int kRestPerWork = 3;
   takeChanges();
   task();
-  if (publication_due_.exchange(false)) publishMaps();
+  const ros::SteadyTime begin = ros::SteadyTime::now();
+  if (begin < next_publication_ || !publication_due_.exchange(false)) return;
+  publishMaps();
+  const ros::WallDuration taken = ros::SteadyTime::now() - begin;
+  publication_s_ = taken.toSec();
+  next_publication_ = ros::SteadyTime::now() + taken * kRestPerWork;
 }
 
 void MappingNodelet::takeChanges() {
@@ -222,7 +237,8 @@ void MappingNodelet::takeChanges() {
     label_set.swap(new_label_set_);
     poses.swap(new_poses_);
   }
-  if (label_set) {
+  // The same classes come again when their publisher is connected anew.
+  if (label_set && label_set->classes != label_set_.classes) {
     label_set_ = *label_set;
     if (mapper_->keyframes() > 0) NODELET_WARN("the classes changed: the dense map starts anew");
     startMap(map_id_);
@@ -230,7 +246,7 @@ void MappingNodelet::takeChanges() {
   if (poses) {
     if (poses->map_id != map_id_) startMap(poses->map_id);
     poses_ = fromRos(*poses);
-    placeWaiting();
+    placeWaiting(poses_);
     mapper_->updatePoses(poses_);
   }
 }
@@ -242,19 +258,15 @@ void MappingNodelet::integrate(const KeyframeStamped& keyframe, const KeyframeIm
   if (!input) return;
   const StageDiagnostics::Step timer(*diagnostics_, stamp);
   if (keyframe.map_id != map_id_) startMap(keyframe.map_id);
-  if (keyframe.placed) {
-    mapper_->add(input->id, input->frame, input->labels, input->dynamic, fromRos(keyframe.pose));
-    publisher_->markChanged();
-  } else {
-    waiting_.add(std::move(*input));
-    placeWaiting();  // the poses may have come first
-  }
+  waiting_.add(std::move(*input));
+  placeWaiting(poses_);  // newer than its own, where they know it
+  if (keyframe.placed) placeWaiting({fromRos(keyframe)});
 }
 
 /// Adds the waiting keyframes whose place in the world is known by now to the map.
-void MappingNodelet::placeWaiting() {
+void MappingNodelet::placeWaiting(const std::vector<KeyframePose>& poses) {
   const std::size_t before = waiting_.size();
-  waiting_.place(poses_, *mapper_);
+  waiting_.place(poses, *mapper_);
   waiting_count_ = waiting_.size();
   if (waiting_.size() != before) publisher_->markChanged();
 }
@@ -277,6 +289,9 @@ void MappingNodelet::publishMaps() {
 }
 
 void MappingNodelet::save() {
+  if (mapper_->keyframes() == 0) {
+    throw Error("the dense map is empty; the files in " + config_.output_directory + " are not touched");
+  }
   mapper_->finish();
   mapper_->saveCloud(config_.output_directory + "/cloud.pcd");
   mapper_->saveOctomap(config_.output_directory + "/map.ot");

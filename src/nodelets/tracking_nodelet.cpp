@@ -62,6 +62,7 @@ class TrackingNodelet final : public StageNodelet {
   void dropMap();
 
   // Worker thread
+  bool takesOlder(Stamp stamp);
   void step(const RgbdMessages& messages);
 
   TrackingNodeletConfig config_;
@@ -71,11 +72,13 @@ class TrackingNodelet final : public StageNodelet {
   std::unique_ptr<SparseSlam> slam_;  // step() by the worker only
   std::unique_ptr<TrackingPublisher> publisher_;
   std::unique_ptr<MotionMaskInput> masks_;
-  Stamp last_stamp_;  // worker only
+  Stamp last_stamp_;      // worker only
+  ros::Time last_clock_;  // worker only; at the frame before
   std::atomic<TrackingState> state_{TrackingState::kInitialising};
   std::atomic<int> inliers_{0};
   std::atomic<bool> paused_{false};
-  std::atomic<std::size_t> posed_{0}, lost_{0}, without_mask_{0}, skipped_with_motion_{0}, waited_for_labels_{0};
+  std::atomic<std::size_t> posed_{0}, lost_{0}, without_mask_{0}, skipped_with_motion_{0}, waited_for_labels_{0},
+      out_of_order_{0};
 
   std::unique_ptr<StageDiagnostics> diagnostics_;
   std::unique_ptr<Worker<RgbdMessages>> worker_;
@@ -116,8 +119,10 @@ void TrackingNodelet::advertiseServices(ros::NodeHandle private_nh) {
     return std::string("map and trajectory are dropped");
   });
   services_.addTrigger(private_nh, "save_map", [this] {
+    const std::size_t keyframes = slam_->keyframeCount();
+    if (keyframes == 0) throw Error("there is no map to save yet; " + config_.map_file + " is not touched");
     slam_->saveMap(config_.map_file);
-    return "map saved in " + config_.map_file;
+    return "map of " + std::to_string(keyframes) + " keyframes saved in " + config_.map_file;
   });
   services_.addTrigger(private_nh, "load_map", [this] {
     SavedMap saved = slam_->readMap(config_.map_file);  // takes long: tracking goes on
@@ -128,6 +133,7 @@ void TrackingNodelet::advertiseServices(ros::NodeHandle private_nh) {
   });
   services_.addTrigger(private_nh, "save_trajectory", [this] {
     const std::vector<TimedPose> poses = publisher_->trajectory(*slam_);
+    if (poses.empty()) throw Error("no frame has a pose yet; " + config_.trajectory_file + " is not touched");
     writeTumTrajectory(config_.trajectory_file, poses);
     return std::to_string(poses.size()) + " poses saved in " + config_.trajectory_file;
   });
@@ -148,6 +154,7 @@ void TrackingNodelet::report(StageDiagnostics::Status& status) {
   status.add("frames without mask", without_mask_.load());
   diagnostics_->addFault(status, "frames skipped as motion did", skipped_with_motion_);
   diagnostics_->addFault(status, "frames that waited for labels", waited_for_labels_);
+  diagnostics_->addFault(status, "frames older than the one before", out_of_order_);
   status.add("transforms sent", publisher_->tf().sent());
   if (diagnostics_->addFault(status, "transforms not found", publisher_->tf().failedLookups())) {
     status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN, publisher_->tf().lastFailure());
@@ -167,15 +174,38 @@ void TrackingNodelet::dropMap() {
   state_ = TrackingState::kInitialising;
 }
 
+/// A recording that is played again begins a new map. The map of a living camera stays, whatever its driver or the
+/// clock do: drivers step back by some seconds (librealsense's global time where the device's counter wraps, every 72
+/// minutes), and a clock that is set may do so by any time.
+/// @return whether the frame is to be tracked though it is not newer than the one before
+bool TrackingNodelet::takesOlder(Stamp stamp) {
+  constexpr double kLongestDisorderS = 5.0;
+  const double back_s = secondsBetween(stamp, last_stamp_);
+  if (ros::Time::isSimTime() && ros::Time::now() < last_clock_) {
+    NODELET_WARN("the clock went back, as when a recording is played again: map and trajectory are dropped");
+    dropMap();
+    return true;
+  }
+  if (back_s <= kLongestDisorderS) {
+    NODELET_WARN_THROTTLE(1.0, "stamps went back by %.3f s: frames are passed over until newer ones come", back_s);
+    return false;
+  }
+  NODELET_WARN("stamps went back by %.1f s: the map stays, the trajectory begins anew", back_s);
+  std::lock_guard<std::mutex> lock(step_mutex_);
+  slam_->startTimeAnew();
+  return true;
+}
+
 void TrackingNodelet::step(const RgbdMessages& messages) {
   if (paused_) return;
   const std_msgs::Header& image = messages.rgb->header;
   const Stamp stamp = fromRos(image.stamp);
-  if (stamp < last_stamp_) {
-    NODELET_WARN("stamps went back: map and trajectory are dropped");
-    dropMap();
+  if (stamp <= last_stamp_ && !takesOlder(stamp)) {
+    ++out_of_order_;
+    return;
   }
   last_stamp_ = stamp;
+  last_clock_ = ros::Time::now();
   if (state_ == TrackingState::kInitialising && !masks_->readyToStart(stamp)) {
     ++waited_for_labels_;
     return;
@@ -194,6 +224,7 @@ void TrackingNodelet::step(const RgbdMessages& messages) {
   std::lock_guard<std::mutex> lock(step_mutex_);
   const StageDiagnostics::Step timer(*diagnostics_, stamp);
   const SparseStep result = slam_->step(*frame, mask, times_);
+  if (result.new_world) publisher_->startMap(TrackingPublisher::Anchor::kAtNextFrame);
   state_ = result.tracking.state;
   inliers_ = result.tracking.inliers;
   ++(state_ == TrackingState::kOk || state_ == TrackingState::kRecentlyLost ? posed_ : lost_);

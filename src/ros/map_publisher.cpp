@@ -16,30 +16,35 @@ namespace semantic_vslam {
 MapPublisher::MapPublisher(ros::NodeHandle nh, std::string map_frame, const MapObjectsConfig& objects)
     : map_frame_(std::move(map_frame)) {
   using Out = ros::Publisher;
-  using Header = std_msgs::Header;
-  topics_ = {
-      {nh.advertise<sensor_msgs::PointCloud2>("mapping/semantic_cloud", 1, true), false,
-       [](const Out& out, const Header& header, const DenseMapper& map, const LabelSet&) {
-         out.publish(toRos(map.cloud(), header));
-       }},
-      {nh.advertise<octomap_msgs::Octomap>("mapping/octomap_binary", 1, true), false,
-       [](const Out& out, const Header& header, const DenseMapper& map, const LabelSet&) {
-         out.publish(toRos(map.binaryOctree(), header));
-       }},
-      {nh.advertise<octomap_msgs::Octomap>("mapping/octomap_full", 1, true), false,
-       [](const Out& out, const Header& header, const DenseMapper& map, const LabelSet&) {
-         out.publish(toRos(map.fullOctree(), header));
-       }},
-      // Keyframe poses arrive in the map frame, whose z is up already.
-      {nh.advertise<nav_msgs::OccupancyGrid>("mapping/projected_map", 1, true), false,
-       [](const Out& out, const Header& header, const DenseMapper& map, const LabelSet&) {
-         out.publish(toRos(map.projectedMap(SE3::Identity()), header));
-       }},
-      {nh.advertise<visualization_msgs::MarkerArray>("mapping/objects", 1, true), false,
-       [objects](const Out& out, const Header& header, const DenseMapper& map, const LabelSet& labels) {
-         out.publish(toRos(findObjects(map.cloud(), objects), labels, header));
-       }},
-  };
+  advertise<sensor_msgs::PointCloud2>(nh, "mapping/semantic_cloud", [](const Out& out, Source& source) {
+    out.publish(toRos(source.cloud(), source.header));
+  });
+  advertise<octomap_msgs::Octomap>(nh, "mapping/octomap_binary", [](const Out& out, Source& source) {
+    out.publish(toRos(source.map.binaryOctree(), source.header));
+  });
+  advertise<octomap_msgs::Octomap>(nh, "mapping/octomap_full", [](const Out& out, Source& source) {
+    out.publish(toRos(source.map.fullOctree(), source.header));
+  });
+  // Keyframe poses arrive in the map frame, whose z is up already.
+  advertise<nav_msgs::OccupancyGrid>(nh, "mapping/projected_map", [](const Out& out, Source& source) {
+    out.publish(toRos(source.map.projectedMap(SE3::Identity()), source.header));
+  });
+  advertise<visualization_msgs::MarkerArray>(nh, "mapping/objects", [objects](const Out& out, Source& source) {
+    out.publish(toRos(findObjects(source.cloud(), objects), source.labels, source.header));
+  });
+}
+
+template <class Message>
+void MapPublisher::advertise(ros::NodeHandle& nh, const std::string& topic, Publish publish) {
+  Topic& added = topics_.emplace_back();
+  added.publish = std::move(publish);
+  added.publisher =
+      nh.advertise<Message>(topic, 1, [&added](const ros::SingleSubscriberPublisher&) { added.changed = true; });
+}
+
+const std::vector<LabelledPoint>& MapPublisher::Source::cloud() {
+  if (!points) points = map.cloud();
+  return *points;
 }
 
 void MapPublisher::markChanged() {
@@ -47,13 +52,12 @@ void MapPublisher::markChanged() {
 }
 
 void MapPublisher::publish(const DenseMapper& map, const LabelSet& labels) {
-  std_msgs::Header header;
-  header.stamp = ros::Time::now();
-  header.frame_id = map_frame_;
+  Source source{map, labels, {}, {}};
+  source.header.stamp = ros::Time::now();
+  source.header.frame_id = map_frame_;
   for (Topic& topic : topics_) {
-    if (!topic.changed || topic.publisher.getNumSubscribers() == 0) continue;
-    topic.changed = false;
-    topic.publish(topic.publisher, header, map, labels);
+    if (topic.publisher.getNumSubscribers() == 0 || !topic.changed.exchange(false)) continue;
+    topic.publish(topic.publisher, source);
   }
 }
 

@@ -15,10 +15,17 @@ namespace {
 
 using Entries = std::vector<std::pair<std::string, std::string>>;
 
-/// Names that belong to ROS or to the loader itself. `thresholds` is where dynamic_reconfigure mirrors its values.
-const std::set<std::string> kReserved = {"config_file",           "thresholds",
-                                         "diagnostic_period",     "image_transport",
-                                         "depth_image_transport", "bond_disable_heartbeat_timeout"};
+/// Names that belong to ROS or to the loader itself. `thresholds` is where dynamic_reconfigure mirrors its values, as
+/// do the image transports under their own names.
+const std::set<std::string> kReserved = {"config_file",
+                                         "thresholds",
+                                         "diagnostic_period",
+                                         "image_transport",
+                                         "depth_image_transport",
+                                         "bond_disable_heartbeat_timeout",
+                                         "compressed",
+                                         "compressedDepth",
+                                         "theora"};
 
 std::string topLevel(const std::string& key) { return key.substr(0, key.find('.')); }
 

@@ -84,8 +84,19 @@ std::string TfPublisher::lastFailure() const {
   return last_failure_;
 }
 
+/// A frame has one parent in tf: who publishes another one takes it away from where it hung.
+void TfPublisher::warnOfOtherParent(const std::string& child) const {
+  std::string parent;
+  if (!buffer_ || !buffer_->_getParent(child, ros::Time(0), parent) || parent == config_.map_frame) return;
+  ROS_WARN(
+      "tf: '%s' hangs below '%s' already, and is now published below '%s': name the robot's own body as base_frame, "
+      "and its odometry as odom_frame if it has one",
+      child.c_str(), parent.c_str(), config_.map_frame.c_str());
+}
+
 void TfPublisher::send(const std::string& child, const ros::Time& stamp, const SE3& T_map_child) {
   if (stamp == last_sent_) return;  // tf2 warns of repeated data
+  if (sent_ == 0) warnOfOtherParent(child);
   geometry_msgs::TransformStamped message;
   message.header.stamp = stamp;
   message.header.frame_id = config_.map_frame;

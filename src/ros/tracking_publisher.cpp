@@ -28,6 +28,23 @@ std::uint8_t stateCode(TrackingState state) {
   return TrackingReport::LOST;
 }
 
+/// Mean velocity since the last tracked frame, in the body's axes.
+geometry_msgs::TwistWithCovariance bodyVelocity(const TrackingResult& tracking, const SE3& T_camera_body) {
+  geometry_msgs::TwistWithCovariance velocity;
+  if (!tracking.last_step) {
+    constexpr double kUnknown = 1e6;  // (m/s)^2, (rad/s)^2: a filter must not take this for standing still
+    for (int i = 0; i < 6; ++i) velocity.covariance[7 * i] = kUnknown;
+    return velocity;
+  }
+  const CameraStep& step = *tracking.last_step;
+  const SE3 T_last_current_body = T_camera_body.inverse() * step.T_current_last.inverse() * T_camera_body;
+  velocity.twist = toTwist(se3Log(T_last_current_body) / step.seconds);
+  // The difference of two poses that are about as sure as each other.
+  const Matrix6d covariance = 2.0 / (step.seconds * step.seconds) * tracking.covariance;
+  velocity.covariance = bodyCovariance(covariance, T_camera_body.inverse(), T_camera_body);
+  return velocity;
+}
+
 }  // namespace
 
 SE3 InitialPoseConfig::transform() const {
@@ -56,7 +73,6 @@ TrackingPublisher::TrackingPublisher(ros::NodeHandle nh, const FramesConfig& fra
 
 void TrackingPublisher::startMap(Anchor anchor) {
   ++map_id_;
-  last_body_pose_.reset();
   if (anchor == Anchor::kAtNextFrame) {
     std::lock_guard<std::mutex> lock(mutex_);
     T_map_world_.reset();
@@ -98,22 +114,13 @@ void TrackingPublisher::publishPose(const std_msgs::Header& image, const BodyTra
   odometry.child_frame_id = tf_.bodyFrame(image);
   odometry.pose.pose = toPose(T_map_body);
   odometry.pose.covariance = bodyCovariance(tracking.covariance, T_map_camera, body.T_camera_body);
-  odometry.twist.twist = twistTo({fromRos(image.stamp), T_map_body});
+  odometry.twist = bodyVelocity(tracking, body.T_camera_body);
   odometry_.publish(odometry);
 
   geometry_msgs::PoseWithCovarianceStamped pose;
   pose.header = odometry.header;
   pose.pose = odometry.pose;
   pose_.publish(pose);
-}
-
-/// Mean velocity since the last frame, in the body's axes.
-geometry_msgs::Twist TrackingPublisher::twistTo(const TimedPose& body) {
-  const std::optional<TimedPose> last = last_body_pose_;
-  last_body_pose_ = body;
-  if (!last || body.stamp <= last->stamp) return geometry_msgs::Twist();
-  const Vector6d motion = se3Log(last->T_world_camera.inverse() * body.T_world_camera);
-  return toTwist(motion / secondsBetween(last->stamp, body.stamp));
 }
 
 KeyframePoseArray TrackingPublisher::keyframePoses(const SparseSlam& slam, const std_msgs::Header& image) const {

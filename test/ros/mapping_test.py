@@ -8,7 +8,7 @@ import unittest
 
 import rospy
 import sensor_msgs.point_cloud2
-from semantic_vslam.msg import KeyframePoseArray, KeyframeStamped
+from semantic_vslam.msg import KeyframePoseArray, KeyframeStamped, LabelDescription, LabelInfo
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 
 WIDTH, HEIGHT, WALL_M = 64, 48, 2.0
@@ -55,7 +55,8 @@ class MappingTest(unittest.TestCase):
                                           ("rgb/camera_info", CameraInfo))]
         cls.keyframes = rospy.Publisher("tracking/keyframe", KeyframeStamped, queue_size=10)
         cls.poses = rospy.Publisher("tracking/keyframe_poses", KeyframePoseArray, queue_size=10, latch=True)
-        wait_until(lambda: all(p.get_num_connections() for p in (*cls.images, cls.keyframes, cls.poses)),
+        cls.labels = rospy.Publisher("segmentation/label_info", LabelInfo, queue_size=1)
+        wait_until(lambda: all(p.get_num_connections() for p in (*cls.images, cls.keyframes, cls.poses, cls.labels)),
                    "the subscription of the mapping node")
 
     @classmethod
@@ -83,6 +84,8 @@ class MappingTest(unittest.TestCase):
             self.name(1, placed=True)  # again and again: the node may not have had the calibration in time
             return self.distances() == {WALL_M}
 
+        classes = LabelInfo(classes=[LabelDescription(name=name) for name in ("background", "chair")])
+        self.labels.publish(classes)
         self.publish_wall()
         camera = rospy.Timer(rospy.Duration(0.05), self.publish_wall)
         wait_until(first_is_there, "the first keyframe in the map")
@@ -97,6 +100,9 @@ class MappingTest(unittest.TestCase):
         poses.header.frame_id = "map"
         self.poses.publish(poses)
         wait_until(lambda: self.distances() == {WALL_M, WALL_M + 3.0}, "the second one where it was placed")
+        self.labels.publish(classes)
+        time.sleep(1.0)  # ten publications
+        self.assertEqual(self.distances(), {WALL_M, WALL_M + 3.0}, "the same classes again empty no map")
 
 
 if __name__ == "__main__":

@@ -13,12 +13,13 @@ import rosbag
 import rospkg
 import rospy
 import sensor_msgs.point_cloud2
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from octomap_msgs.msg import Octomap
 from programs import program
 from semantic_vslam.msg import KeyframePoseArray, KeyframeStamped, MotionReport, TrackingReport
-from sensor_msgs.msg import Image, PointCloud2
+from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from std_srvs.srv import SetBool, Trigger
 from tf import transformations
 from tf2_msgs.msg import TFMessage
@@ -79,6 +80,13 @@ class Recording:
                     self.masks[message.header.stamp.to_nsec()] = self.pixels(message) >= 128
                 elif topic == "/camera/rgb/camera_info":
                     self.K = numpy.array(message.K).reshape(3, 3)
+
+    def first(self, kinds):
+        """@param kinds  topic -> type  @return topic -> its first message"""
+        with rosbag.Bag(self.path) as bag:
+            recorded = {topic: next(bag.read_messages(topic))[1] for topic in kinds}
+        return {topic: kind(*(getattr(recorded[topic], slot) for slot in kind.__slots__))
+                for topic, kind in kinds.items()}
 
     @staticmethod
     def pixels(message):
@@ -198,6 +206,9 @@ class SlamTest(unittest.TestCase):
                      for a, b in zip(stamps, stamps[1:]))
         mean_m_per_s = path_m / ((stamps[-1] - stamps[0]) * 1e-9)
         self.assertLess(abs(numpy.median(speeds) - mean_m_per_s), 0.5 * mean_m_per_s)
+        for odometry in self.seen.odometry:
+            sigma_m_per_s = numpy.sqrt(numpy.diag(numpy.reshape(odometry.twist.covariance, (6, 6)))[:3])
+            self.assertTrue((sigma_m_per_s > 0.001).all(), "no velocity is known to a millimetre a second")
 
     def test_3_path_and_points_are_in_the_map(self):
         path, points = self.seen.newest["tracking/path"], self.seen.newest["tracking/points"]
@@ -279,6 +290,7 @@ class SlamTest(unittest.TestCase):
     def test_9_services(self):
         """Last: it changes what the others look at."""
         self.check_saving()
+        self.check_disorder()
         self.check_pause()
         self.check_reset()
         self.check_loading()
@@ -295,8 +307,29 @@ class SlamTest(unittest.TestCase):
         for name in ("cloud.pcd", "map.ot", "map.slam"):
             self.assertGreater(os.path.getsize(os.path.join(folder, name)), 1000)
 
+    def check_disorder(self):
+        """A frame that is older than the one before is passed over, and the map stays."""
+        passed_over = []
+
+        def on_diagnostics(message):
+            for status in message.status:
+                passed_over.extend(int(value.value) for value in status.values
+                                   if value.key == "frames older than the one before")
+
+        diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, on_diagnostics)
+        map_id = self.seen.newest["tracking/keyframe_poses"].map_id
+        kinds = {IMAGE_TOPIC: Image, DEPTH_TOPIC: Image, "/camera/rgb/camera_info": CameraInfo}
+        publishers = {topic: rospy.Publisher(topic, kind, queue_size=1) for topic, kind in kinds.items()}
+        wait_until(lambda: all(p.get_num_connections() for p in publishers.values()), 20, "a connection")
+        first = self.recording.first(kinds)
+        for topic, publisher in publishers.items():
+            publisher.publish(first[topic])
+        wait_until(lambda: passed_over and passed_over[-1] == 1, 20, "a report of the old frame")
+        diagnostics.unregister()
+        self.assertEqual(self.seen.newest["tracking/keyframe_poses"].map_id, map_id)
+
     def check_pause(self):
-        """Also shows that stamps that go back are taken for a new recording."""
+        """Also shows that a clock that goes back is taken for a new recording."""
         self.assertTrue(rospy.ServiceProxy("/slam_tracking/pause", SetBool)(True).success)
         before = len(self.seen.states)
         play(self.recording.path, "--duration", "1")
@@ -310,6 +343,7 @@ class SlamTest(unittest.TestCase):
     def check_reset(self):
         map_id = self.seen.newest["tracking/keyframe_poses"].map_id
         self.assertTrue(rospy.ServiceProxy("/slam_tracking/reset", Trigger)().success)
+        self.check_that_nothing_is_saved("/slam_tracking/save_map", "map.slam")
         play(self.recording.path, "--start", "2", "--duration", "1")
         wait_until(lambda: self.seen.newest["tracking/keyframe_poses"].map_id != map_id, 20, "a new map after reset")
 
@@ -326,8 +360,21 @@ class SlamTest(unittest.TestCase):
         self.assertEqual(len({state.keyframes for state in self.seen.states}), 1)
         self.assertGreater(len(self.seen.newest["tracking/keyframe_poses"].keyframes), 1)
 
+    def check_that_nothing_is_saved(self, service, name):
+        """An empty map does not take the place of the file of a good one."""
+        path = os.path.join(rospkg.get_ros_home(), name)
+        before = os.stat(path)
+        answer = rospy.ServiceProxy(service, Trigger)()
+        self.assertFalse(answer.success, answer.message)
+        self.assertIn("not touched", answer.message)
+        self.assertEqual(os.stat(path), before)
+
     def check_clearing(self):
         self.assertTrue(rospy.ServiceProxy("/slam_mapping/clear", Trigger)().success)
+        self.check_that_nothing_is_saved("/slam_mapping/save", "cloud.pcd")
+        # Who comes now gets the map as it is, not the last one that somebody watched.
+        points = subprocess.check_output(["rostopic", "echo", "-n1", "mapping/semantic_cloud/width"], text=True, timeout=30)
+        self.assertEqual(points.split()[0], "0")
         wait_until(lambda: self.seen.newest["mapping/semantic_cloud"].width == 0, 20, "an empty cloud")
 
 

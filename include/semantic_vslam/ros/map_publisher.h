@@ -6,7 +6,10 @@
 #include <ros/publisher.h>
 #include <std_msgs/Header.h>
 
+#include <atomic>
 #include <functional>
+#include <list>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,8 +19,8 @@
 
 namespace semantic_vslam {
 
-/// Publishes the dense map, latched: mapping/{semantic_cloud, octomap_binary, octomap_full, projected_map, objects}.
-/// One thread makes all calls.
+/// Publishes the dense map: mapping/{semantic_cloud, octomap_binary, octomap_full, projected_map, objects}. One thread
+/// makes all calls. Who subscribes gets the map as it is at the next publish(): a latched message might be hours old.
 class MapPublisher {
  public:
   /// @param map_frame  frame_id of the maps; its z is up
@@ -25,18 +28,31 @@ class MapPublisher {
 
   /// The map is newer than what was published.
   void markChanged();
-  /// Publishes what has changed and is watched. What nobody watches is not made, but once somebody does.
+  /// Publishes what is watched and has changed, or has a new subscriber. What nobody watches is not made.
   void publish(const DenseMapper& map, const LabelSet& labels);
 
  private:
+  /// The map, with what more than one topic shows of it.
+  struct Source {
+    const DenseMapper& map;
+    const LabelSet& labels;
+    std_msgs::Header header;
+    std::optional<std::vector<LabelledPoint>> points;
+
+    const std::vector<LabelledPoint>& cloud();
+  };
+  using Publish = std::function<void(const ros::Publisher&, Source&)>;
   struct Topic {
+    Publish publish;
+    std::atomic<bool> changed{false};
     ros::Publisher publisher;
-    bool changed;
-    std::function<void(const ros::Publisher&, const std_msgs::Header&, const DenseMapper&, const LabelSet&)> publish;
   };
 
+  template <class Message>
+  void advertise(ros::NodeHandle& nh, const std::string& topic, Publish publish);
+
   const std::string map_frame_;
-  std::vector<Topic> topics_;
+  std::list<Topic> topics_;  // their addresses stay
 };
 
 }  // namespace semantic_vslam

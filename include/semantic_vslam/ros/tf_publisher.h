@@ -74,6 +74,7 @@ class TfPublisher {
   using Deadline = std::chrono::steady_clock::time_point;
   std::optional<SE3> find(const std::string& target, const std::string& source, const ros::Time& time,
                           Deadline deadline);
+  void warnOfOtherParent(const std::string& child) const;
   void send(const std::string& child, const ros::Time& stamp, const SE3& T_map_child);
 
   const FramesConfig config_;

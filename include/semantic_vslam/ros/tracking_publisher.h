@@ -73,7 +73,6 @@ class TrackingPublisher {
  private:
   void anchorMap(const SE3& T_camera_body);
   void publishPose(const std_msgs::Header& image, const BodyTransforms& body, const TrackingResult& tracking);
-  geometry_msgs::Twist twistTo(const TimedPose& body);
   void publishKeyframes(const SparseStep& step, const SparseSlam& slam, const std_msgs::Header& image);
   void publishKeyframe(KeyframeId id, Stamp stamp, const KeyframePoseArray& poses, const SparseSlam& slam);
   void publishKeyframePoses(KeyframePoseArray poses);
@@ -89,7 +88,6 @@ class TrackingPublisher {
   std::uint32_t map_id_;
   mutable std::mutex mutex_;
   std::optional<SE3> T_map_world_;  // written by the publishing thread under mutex_; others read it so
-  std::optional<TimedPose> last_body_pose_;
   KeyframePoseArray last_keyframe_poses_;
   Stamp last_path_;
   ros::Publisher odometry_, pose_, path_, state_, keyframe_, keyframe_poses_, points_;

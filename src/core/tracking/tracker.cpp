@@ -49,8 +49,10 @@ TrackingResult Tracker::track(TrackedFrame frame, const Map& map, bool mapper_id
   most_tracked_ = std::max(most_tracked_, estimate.inliers);
   result.keyframe_is_due = keyframeIsDue(map, frame, estimate.inliers, mapper_idle);
   const auto frames_between = static_cast<double>(frame.index - last_->index);
-  velocity_ = interpolate(SE3::Identity(), frame.T_camera_world * last_->T_camera_world.inverse(),
-                          1.0 / std::max(1.0, frames_between));
+  const SE3 T_current_last = frame.T_camera_world * last_->T_camera_world.inverse();
+  velocity_ = interpolate(SE3::Identity(), T_current_last, 1.0 / std::max(1.0, frames_between));
+  const double seconds = secondsBetween(last_->stamp, frame.stamp);
+  if (seconds > 0.0) result.last_step = CameraStep{T_current_last, seconds};
   last_ = std::move(frame);
   return result;
 }

@@ -16,6 +16,10 @@ struct LabelClass {
   std::string name;
   Mobility mobility = Mobility::kStatic;
   cv::Vec3b color_bgr;
+
+  bool operator==(const LabelClass& other) const {
+    return name == other.name && mobility == other.mobility && color_bgr == other.color_bgr;
+  }
 };
 
 /// The classes of a network; the label image holds indices into it. Index 0 is always "background" (unlabelled).

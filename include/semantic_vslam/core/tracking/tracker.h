@@ -55,10 +55,17 @@ struct TrackerConfig {
 };
 
 /// What tracking says of one frame.
+/// How the camera moved since the last tracked frame; corrections of the map are not in it.
+struct CameraStep {
+  SE3 T_current_last = SE3::Identity();
+  double seconds = 0.0;  ///< > 0
+};
+
 struct TrackingResult {
   TrackingState state = TrackingState::kInitialising;
   SE3 T_camera_world = SE3::Identity();        ///< valid in kOk; a prediction in kRecentlyLost
   Matrix6d covariance = Matrix6d::Identity();  ///< of the left perturbation of T_camera_world (m, rad)
+  std::optional<CameraStep> last_step;         ///< measured; nothing for a frame that was predicted or relocalised
   KeyframeId reference;                        ///< keyframe that shares most landmarks with the frame
   int features = 0;
   int matches = 0;

@@ -58,7 +58,7 @@ TEST(LoopCloser, ANewLoopAbortsTheGlobalAdjustmentOfTheOneBeforeWhileTrackingGoe
   };
   global_ba.start(adjust);
   while (begun == 0) std::this_thread::yield();
-  global_ba.start(adjust);  // the next loop
+  global_ba.start(adjust);                                                           // the next loop
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(8);  // ThreadSanitizer needs some
   while (finished == 0) {  // what tracking does to the map meanwhile
     ASSERT_LT(std::chrono::steady_clock::now(), deadline) << "the second adjustment does not come to its end";

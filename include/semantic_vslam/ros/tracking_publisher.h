@@ -6,10 +6,10 @@
 #include <ros/node_handle.h>
 #include <semantic_vslam/KeyframePoseArray.h>
 #include <std_msgs/Header.h>
-#include <limits>
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <vector>

@@ -193,6 +193,7 @@ bool TrackingNodelet::takesOlder(Stamp stamp) {
   NODELET_WARN("stamps went back by %.1f s: the map stays, the trajectory begins anew", back_s);
   std::lock_guard<std::mutex> lock(step_mutex_);
   slam_->startTimeAnew();
+  masks_->restart();
   return true;
 }
 

@@ -12,7 +12,7 @@ namespace semantic_vslam {
 
 struct OrbConfig {
   int features = 1000;
-  int fast_threshold = 30;  // FAST takes as long as there are corners; at 20 six in seven are thrown away again
+  int fast_threshold = 30;  // FAST takes as long as there are corners; at 20 five in six are thrown away again
   int fast_threshold_low = 7;
   int cell_px = 32;
   int minimum_static = 200;

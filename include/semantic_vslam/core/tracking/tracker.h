@@ -54,13 +54,13 @@ struct TrackerConfig {
   }
 };
 
-/// What tracking says of one frame.
 /// How the camera moved since the last tracked frame; corrections of the map are not in it.
 struct CameraStep {
   SE3 T_current_last = SE3::Identity();
   double seconds = 0.0;  ///< > 0
 };
 
+/// What tracking says of one frame.
 struct TrackingResult {
   TrackingState state = TrackingState::kInitialising;
   SE3 T_camera_world = SE3::Identity();        ///< valid in kOk; a prediction in kRecentlyLost

@@ -38,18 +38,18 @@ def crop(image, label, size, rng):
 
 def photometric(image, rng):
     """Light, contrast, white balance, saturation, gamma, blur, noise and JPEG, as cheap cameras give them."""
-    x = image.astype(np.float32) / 255
-    x = np.power(x, np.exp(rng.uniform(-0.4, 0.4)))
-    x = x * np.exp(rng.uniform(-0.15, 0.15, 3)).astype(np.float32)
-    grey = x.mean(axis=2, keepdims=True)
-    x = grey + (x - grey) * rng.uniform(0.4, 1.4)
-    x = (x - x.mean()) * rng.uniform(0.7, 1.3) + x.mean() + rng.uniform(-0.12, 0.12)
+    levels = np.linspace(0, 1, 256, dtype=np.float32)[:, None] ** np.exp(rng.uniform(-0.4, 0.4))
+    x = cv2.LUT(image, (levels * np.exp(rng.uniform(-0.15, 0.15, 3)))[None].astype(np.float32))
+    saturation, contrast = rng.uniform(0.4, 1.4), rng.uniform(0.7, 1.3)
+    mix = contrast * (saturation * np.eye(3) + (1 - saturation) / 3)  # saturation about each pixel's grey,
+    lift = (1 - contrast) * np.mean(cv2.mean(x)[:3]) + rng.uniform(-0.12, 0.12)  # contrast about the image's
+    x = cv2.transform(x, np.hstack((mix, np.full((3, 1), lift))))
     if rng.random() < 0.3:
         x = cv2.GaussianBlur(x, (0, 0), rng.uniform(0.4, 1.6))
     if rng.random() < 0.15:
         x = _motion_blur(x, rng)
     if rng.random() < 0.5:
-        x = x + rng.normal(0, rng.uniform(0.005, 0.04), x.shape)
+        x += rng.uniform(0.005, 0.04) * rng.standard_normal(x.shape, np.float32)
     image = np.clip(x * 255, 0, 255).astype(np.uint8)
     if rng.random() < 0.3:
         _, data = cv2.imencode('.jpg', image, [cv2.IMWRITE_JPEG_QUALITY, int(rng.integers(30, 95))])
@@ -114,9 +114,8 @@ class Cutout:
     def paste(self, image, label, hints, rng):
         size = (label.shape[1], label.shape[0])
         warp = self._transformation(size, rng)
-        patch = photometric(self.patch, rng)
         alpha = cv2.warpAffine(self.mask.astype(np.float32), warp, size)
-        patch = cv2.warpAffine(patch, warp, size, borderMode=cv2.BORDER_REFLECT_101)
+        patch = photometric(cv2.warpAffine(self.patch, warp, size, borderMode=cv2.BORDER_REFLECT_101), rng)
         soft = cv2.GaussianBlur(alpha, (0, 0), rng.uniform(0.5, 1.2))[..., None]
         image = (image * (1 - soft) + patch * soft).astype(np.uint8)
         label = np.where(alpha > 0.5, np.uint8(self.label), label)

@@ -1,11 +1,16 @@
 # SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Tests of models/training. Those that need PyTorch are skipped where it is absent: users need none."""
+import base64
 import csv
+import hashlib
 import os
+import subprocess
 import sys
+import tarfile
 import tempfile
 import unittest
+from unittest import mock
 
 import cv2
 import numpy as np
@@ -15,6 +20,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(__file__), '..', '..', 'models',
 import augment
 import hints
 import label_sequence
+import photographs
+import second_opinion
 from classes import IGNORE, NAMES, PERSON, label_of_coco
 
 try:
@@ -149,6 +156,101 @@ class LabelSequence(unittest.TestCase):
             self.assertEqual(label[80, 100], NAMES.index('table'))
 
 
+def photograph(seed):
+    """Colourful and large enough to be taken for a photograph."""
+    noise = np.random.default_rng(seed).integers(0, 256, (9, 12, 3), np.uint8)
+    return cv2.resize(noise, (800, 600), interpolation=cv2.INTER_CUBIC)
+
+
+class Photographs(unittest.TestCase):
+    """Packages come from a stand-in for npm that hands out one archive."""
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.archive, self.list = self.path('a-1.0.0.tgz'), self.path('list.txt')
+        recoded = cv2.resize(photograph(1), (640, 480))
+        drawing = np.full((600, 800, 3), 255, np.uint8)
+        cv2.putText(drawing, 'chart', (40, 400), cv2.FONT_HERSHEY_SIMPLEX, 9, (0, 0, 200), 40)
+        with tarfile.open(self.archive, 'w:gz') as archive:
+            for name, image in (('1.jpg', photograph(1)), ('2.jpg', recoded), ('3.jpg', photograph(2)),
+                                ('4.jpg', drawing), ('5.jpg', photograph(3)[:200])):
+                cv2.imwrite(self.path(name), image, [cv2.IMWRITE_JPEG_QUALITY, 95])
+                archive.add(self.path(name), 'package/' + name)
+        npm = self.path('npm')
+        with open(npm, 'w', encoding='utf-8') as script:
+            script.write(f'#!/bin/sh\n[ "$2" = a@1.0.0 ] && cp {self.archive} "$5" && echo a-1.0.0.tgz\n')
+        os.chmod(npm, 0o755)
+        with open(self.archive, 'rb') as archive:
+            digest = base64.b64encode(hashlib.sha512(archive.read()).digest()).decode()
+        self.write_list(f'# a comment\na 1.0.0 MIT sha512-{digest}\n')
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def write_list(self, text):
+        with open(self.list, 'w', encoding='utf-8') as out:
+            out.write(text)
+
+    def gather(self):
+        with mock.patch.dict(os.environ, PATH=self.folder.name + os.pathsep + os.environ['PATH']):
+            photographs.main([self.path('out'), '--packages', self.list])
+        return [cv2.imread(os.path.join(self.path('out/images'), name)) for name in os.listdir(self.path('out/images'))]
+
+    def test_are_taken_once_and_made_small(self):
+        images = self.gather()
+        self.assertEqual([image.shape for image in images], 2 * [(480, 640, 3)])
+
+    def test_another_archive_than_the_listed_one_is_refused(self):
+        self.write_list('a 1.0.0 MIT sha512-AAAA\n')
+        with self.assertRaisesRegex(SystemExit, 'a@1.0.0 is another archive'):
+            self.gather()
+
+    def test_a_package_that_does_not_come_is_named(self):
+        self.write_list('b 2.0.0 MIT sha512-AAAA\n')
+        with self.assertRaisesRegex(SystemExit, 'b@2.0.0: npm pack failed'):
+            self.gather()
+
+    def test_the_list_of_the_repository_reads(self):
+        rows = photographs.read_list(os.path.join(os.path.dirname(photographs.__file__), 'photographs.txt'))
+        self.assertGreater(len(rows), 40)
+        self.write_list('a 1.0.0 sha512-AAAA\n')
+        with self.assertRaisesRegex(SystemExit, 'must be: name version'):
+            photographs.read_list(self.list)
+
+
+class SecondOpinion(unittest.TestCase):
+    """A label image of 100x100 px with a person of 40x60."""
+
+    def setUp(self):
+        self.label = np.full((100, 100), IGNORE, np.uint8)
+        self.label[20:80, 30:70] = PERSON
+
+    @staticmethod
+    def box(coco, score, left, top, right, bottom):
+        return coco, score, np.array([left, top], float), np.array([right, bottom], float)
+
+    def test_keeps_people_that_both_see(self):
+        label = second_opinion.second_opinion(self.label, [self.box(0, 0.9, 30, 20, 70, 80)])
+        self.assertTrue((label[20:80, 30:70] == PERSON).all())
+        self.assertEqual(label[5, 5], 0)
+        self.assertEqual(label[18, 50], IGNORE)  # may still be hair
+
+    def test_leaves_unknown_what_may_be_one_of_our_classes(self):
+        keyboard, kite = self.box(66, 0.1, 0, 0, 20, 20), self.box(33, 0.9, 80, 0, 100, 20)
+        label = second_opinion.second_opinion(self.label, [self.box(0, 0.9, 30, 20, 70, 80), keyboard, kite])
+        self.assertEqual((label[10, 10], label[10, 90]), (IGNORE, 0))
+
+    def test_drops_what_they_disagree_on(self):
+        self.assertIsNone(second_opinion.second_opinion(self.label, []))
+        self.assertIsNone(second_opinion.second_opinion(self.label, [self.box(0, 0.9, 30, 20, 70, 40)]))
+        nobody = np.full((100, 100), IGNORE, np.uint8)
+        self.assertIsNone(second_opinion.second_opinion(nobody, [self.box(0, 0.9, 30, 20, 70, 80)]))
+        self.assertTrue((second_opinion.second_opinion(nobody, []) == 0).all())
+
+
 @unittest.skipIf(torch is None, 'needs PyTorch')
 class Network(unittest.TestCase):
     def test_has_the_published_size(self):
@@ -230,6 +332,16 @@ class Training(unittest.TestCase):
         self.assertEqual(len(self.losses()), 2)
         with self.assertRaises(SystemExit):
             self.train(10, '--head', '64')
+
+    def test_two_processes_learn_as_one(self):
+        """Each with half of the samples; none writes what the other does."""
+        arguments = ['--data', self.data, '--out', self.out, '--size', '96x64', '--steps', '10', '--batch', '2', '--head', '32',
+                     '--workers', '0', '--evaluate-every', '5', '--threads', '1']
+        done = subprocess.run([sys.executable, '-m', 'torch.distributed.run', '--nproc_per_node', '2', train.__file__, *arguments],
+                              capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(len(self.losses()), 2)
+        self.assertEqual(train.load_checkpoint(os.path.join(self.out, 'last.pt'))['step'], 10)
 
     def test_ends_when_its_time_is_over(self):
         training = self.train(10**6, '--minutes', '0.02')

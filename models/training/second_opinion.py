@@ -1,0 +1,108 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Checks labels that a segmentation network gave to photographs (label_images --unknown 255) against a detector.
+
+usage: second_opinion.py DETECTOR.onnx DIR        (needs the Python package onnxruntime)
+
+DETECTOR.onnx is a YOLOX network of the 80 classes of COCO. Photographs whose people the two do not agree on are deleted from
+DIR/images and DIR/labels. In the others, what is unknown becomes background where the detector suspects none of our classes:
+that a wall is no person is worth teaching, that a keyboard is background is not.
+"""
+import argparse
+import glob
+import os
+
+import cv2
+import numpy as np
+
+from classes import IGNORE, PERSON
+
+# COCO's numbers of our classes: person, bottle, cup, chair, table, screen, laptop, mouse, keyboard, book
+OURS = (0, 39, 41, 56, 60, 62, 63, 64, 66, 73)
+COCO_PERSON = 0
+SURE, SUSPECTED = 0.35, 0.08  # scores
+MARGIN = 0.1                  # of a box's width and height: boxes of small networks cut off hands and feet
+MIN_PEOPLE = 0.003            # share of the image: fewer pixels are no people
+MIN_CONFIRMED = 0.7           # share of them inside sure boxes
+BORDER_PX = 4                 # about a label that may be either
+
+
+class Detector:
+    def __init__(self, path):
+        try:
+            import onnxruntime
+        except ImportError as error:
+            raise SystemExit(f'{error}: this needs `pip install onnxruntime`') from None
+        options = onnxruntime.SessionOptions()
+        options.intra_op_num_threads = 1
+        self.session = onnxruntime.InferenceSession(path, options, providers=['CPUExecutionProvider'])
+        self.input = self.session.get_inputs()[0]
+        self.side = self.input.shape[-1]
+        strides = (8, 16, 32)
+        self.stride = np.concatenate([np.full((self.side // s) ** 2, s) for s in strides])[:, None]
+        self.cell = np.concatenate([np.stack(np.meshgrid(*2 * [np.arange(self.side // s)]), -1).reshape(-1, 2) for s in strides])
+
+    def __call__(self, image):
+        """@param image  BGR  @return [(COCO class, score, (left, top), (right, bottom))], px"""
+        scale = self.side / max(image.shape[:2])
+        small = cv2.resize(image, None, fx=scale, fy=scale)[:self.side, :self.side]
+        canvas = np.full((self.side, self.side, 3), 114, np.uint8)
+        canvas[:small.shape[0], :small.shape[1]] = small
+        found = self.session.run(None, {self.input.name: canvas.transpose(2, 0, 1)[None].astype(np.float32)})[0][0]
+        score = found[:, 4:5] * found[:, 5:]
+        centre, size = (found[:, :2] + self.cell) * self.stride / scale, np.exp(found[:, 2:4]) * self.stride / scale
+        return [(score[i].argmax(), score[i].max(), centre[i] - size[i] / 2, centre[i] + size[i] / 2)
+                for i in np.flatnonzero(score.max(axis=1) > SUSPECTED)]
+
+
+def covered(boxes, shape, margin=0.0):
+    """@return mask of `shape`, true inside the boxes"""
+    mask = np.zeros(shape, bool)
+    for _, _, first, last in boxes:
+        border = margin * (last - first)
+        left, top = np.maximum(0, first - border).astype(int)
+        right, bottom = np.maximum(0, last + border).astype(int)
+        mask[top:bottom, left:right] = True
+    return mask
+
+
+def second_opinion(label, boxes):
+    """@param label  of the segmentation network, 255 where unknown  @return the corrected label, None if the two disagree"""
+    sure = [box for box in boxes if box[0] == COCO_PERSON and box[1] > SURE]
+    people = label == PERSON
+    if people.mean() <= MIN_PEOPLE:
+        if sure:
+            return None
+    elif (people & covered(sure, label.shape, MARGIN)).sum() < MIN_CONFIRMED * people.sum():
+        return None
+    known = ((label > 0) & (label != IGNORE)).astype(np.uint8)
+    near = cv2.dilate(known, np.ones((2 * BORDER_PX + 1,) * 2, np.uint8)) > 0
+    suspected = covered([box for box in boxes if box[0] in OURS], label.shape)
+    return np.where((label == IGNORE) & ~near & ~suspected, 0, label).astype(np.uint8)
+
+
+def main(argv=None):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('detector')
+    parser.add_argument('folder')
+    args = parser.parse_args(argv)
+    detector = Detector(args.detector)
+    kept, images = 0, sorted(glob.glob(os.path.join(args.folder, 'images', '*')))
+    for path in images:
+        label_path = os.path.join(args.folder, 'labels', os.path.splitext(os.path.basename(path))[0] + '.png')
+        image, label = cv2.imread(path), cv2.imread(label_path, cv2.IMREAD_GRAYSCALE)
+        if image is None or label is None or image.shape[:2] != label.shape:
+            raise SystemExit(f"'{path}' and '{label_path}' do not load or differ in size")
+        corrected = second_opinion(label, detector(image))
+        if corrected is None:
+            os.remove(path)
+            os.remove(label_path)
+        else:
+            cv2.imwrite(label_path, corrected)
+            kept += 1
+    print(f'{kept} of {len(images)} photographs kept')
+
+
+if __name__ == '__main__':
+    main()

@@ -125,7 +125,7 @@ class Cutout:
         """@return 2x3, px of the patch -> px of the sample"""
         person = self.label == PERSON
         rows, columns = self.mask.shape
-        share = np.exp(rng.uniform(np.log(0.3), np.log(2.2)) if person else rng.uniform(np.log(0.08), np.log(0.6)))
+        share = np.exp(rng.uniform(np.log(0.3), np.log(3.0)) if person else rng.uniform(np.log(0.08), np.log(0.6)))
         scale = share * size[1] / max(rows, 0.7 * columns)
         angle = rng.uniform(-10, 10) if person else rng.uniform(-25, 25)
         warp = cv2.getRotationMatrix2D((columns / 2, rows / 2), angle, scale)

@@ -35,6 +35,7 @@ LOG_FIELDS = ('step', 'loss', 'mean_iou', 'person_iou')
 LOSS_STRIDE = 2      # px of the label image per pixel of the loss: at full size it costs as much as the network
 BOOSTER_STRIDE = 4
 HINT_WEIGHT = 1.0
+CLASS_WEIGHTS = [0.7 if name == 'background' else 1.5 if name == 'person' else 2.0 for name in NAMES]  # the rarer, the more
 SCORED_IMAGES = 40   # of a folder's held-back fold while training; evaluate.py takes all
 
 
@@ -105,12 +106,13 @@ def computes_bfloat16(device):
 
 
 def hard_pixel_loss(logits, label, stride=1):
-    """Cross entropy over the hard pixels: those whose true class has a probability below 0.7, and at least a sixteenth of
-    all (online hard example mining, as the paper trains).
+    """Cross entropy, weighted by class, over the hard pixels: those that lose as much as a true class of weight 1 and
+    probability 0.7, and at least a sixteenth of all (online hard example mining, as the paper trains).
 
     @param stride  takes every so many-th pixel of the label image, in both directions"""
     label = label[:, stride // 2::stride, stride // 2::stride]
-    loss = F.cross_entropy(resize(logits.float(), label.shape[1:]), label, ignore_index=IGNORE, reduction='none').flatten()
+    loss = F.cross_entropy(resize(logits.float(), label.shape[1:]), label, logits.new_tensor(CLASS_WEIGHTS, dtype=torch.float32),
+                           ignore_index=IGNORE, reduction='none').flatten()
     hardest = loss.topk(max(1, loss.numel() // 16)).values
     threshold = torch.minimum(hardest[-1], loss.new_tensor(0.3567))  # -ln 0.7
     hard = loss[loss > threshold]

@@ -266,13 +266,13 @@ class Network(unittest.TestCase):
         self.assertEqual(tuple(model.eval()(images).shape), (2, 11, 8, 12))
 
     def test_hard_pixel_loss_ignores_unlabelled_pixels(self):
-        logits = torch.zeros(1, 3, 2, 2)
-        logits[0, 1] = 9
+        logits = torch.zeros(1, len(NAMES), 2, 2)
+        logits[0, PERSON] = 9
         label = torch.full((1, 16, 16), IGNORE, dtype=torch.long)
         self.assertEqual(train.hard_pixel_loss(logits, label).item(), 0)
-        label[0, :8] = 0  # half the image is wrong: each such pixel loses about 9
-        self.assertAlmostEqual(train.hard_pixel_loss(logits, label).item(), 9, places=2)
-
+        for c in (0, 2):
+            label[0, :8] = c  # half the image is wrong: each such pixel loses about 9
+            self.assertAlmostEqual(train.hard_pixel_loss(logits, label).item(), 9 * train.CLASS_WEIGHTS[c], places=1)
 
     def test_hint_loss_counts_known_places_alone(self):
         predicted = torch.zeros(1, 2, 2, 2)

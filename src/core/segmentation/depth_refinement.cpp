@@ -27,11 +27,11 @@ T medianOf(std::vector<T> values) {
 
 /// Collects the masks' pixels and computes the 3-D points of all of them; other points stay undefined.
 /// @param pixels, points_m  memory for the result
-std::vector<GrownMask> collectMasks(const ConnectedRegions& masks, const RgbdFrame& frame, std::vector<int>& pixels,
-                                    cv::Mat3f& points_m) {
+std::vector<GrownMask> collectMasks(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled,
+                                    const RgbdFrame& frame, std::vector<int>& pixels, cv::Mat3f& points_m) {
   std::vector<int*> next(masks.count);
   std::vector<GrownMask> collected(masks.count);
-  pixels.resize(std::accumulate(masks.size_px.begin(), masks.size_px.end(), std::size_t{0}));
+  pixels.resize(labelled.size());
   int* first = pixels.data();
   for (int m = 0; m < masks.count; ++m) {
     collected[m].pixels = next[m] = first;
@@ -39,17 +39,14 @@ std::vector<GrownMask> collectMasks(const ConnectedRegions& masks, const RgbdFra
     first += masks.size_px[m];
   }
   points_m.create(masks.id.size());
-  for (int v = 0, i = 0; v < masks.id.rows; ++v) {
-    const int* id = masks.id[v];
-    const float* depth_m = frame.depth_m[v];
-    const cv::Vec2f* ray = frame.camera->rays()[v];
-    cv::Vec3f* point_m = points_m[v];
-    for (int u = 0; u < masks.id.cols; ++u, ++i) {
-      if (id[u] < 0) continue;
-      *next[id[u]]++ = i;
-      collected[id[u]].moments.add({u, v});
-      point_m[u] = {ray[u][0] * depth_m[u], ray[u][1] * depth_m[u], depth_m[u]};
-    }
+  const int* id = masks.id.ptr<int>();
+  const cv::Vec2f* ray = frame.camera->rays().ptr<cv::Vec2f>();
+  for (const cv::Point& p : labelled) {
+    const int i = p.y * masks.id.cols + p.x;
+    *next[id[i]]++ = i;
+    collected[id[i]].moments.add(p);
+    const float z = frame.depth_m(p);
+    points_m.ptr<cv::Vec3f>()[i] = {ray[i][0] * z, ray[i][1] * z, z};
   }
   return collected;
 }
@@ -112,28 +109,25 @@ struct Piece {
 };
 
 std::vector<Piece> describePieces(const ConnectedRegions& parts, const ConnectedRegions& masks,
-                                  const cv::Mat3f& points_m, const cv::Mat1b& labels, const LabelSet& label_set) {
+                                  const std::vector<cv::Point>& labelled, const cv::Mat3f& points_m,
+                                  const cv::Mat1b& labels, const LabelSet& label_set) {
   std::vector<Piece> pieces(parts.count);
   const int rows = parts.id.rows, cols = parts.id.cols;
-  for (int v = 0; v < rows; ++v) {
-    const int* id = parts.id[v];
-    const int* above = parts.id[std::max(v - 1, 0)];
-    const int* below = parts.id[std::min(v + 1, rows - 1)];
-    for (int u = 0; u < cols; ++u) {
-      if (id[u] < 0) continue;
-      Piece& piece = pieces[id[u]];
-      const float z = points_m(v, u)[2];
-      if (piece.mask_id < 0) {
-        piece.mask_id = masks.id(v, u);
-        piece.hole = z == 0.0F;
-        piece.person = label_set.mobility(labels(v, u)) == Mobility::kPerson;
-      }
-      ++piece.size_px;
-      piece.depth_sum_m += z;
-      const bool inside = v > 0 && v + 1 < rows && u > 0 && u + 1 < cols && id[u - 1] == id[u] && id[u + 1] == id[u] &&
-                          above[u] == id[u] && below[u] == id[u];
-      if (!inside) ++piece.border_px;
+  const int* part_of = parts.id.ptr<int>();
+  for (const cv::Point& p : labelled) {
+    const int i = p.y * cols + p.x, part = part_of[i];
+    Piece& piece = pieces[part];
+    const float z = points_m.ptr<cv::Vec3f>()[i][2];
+    if (piece.mask_id < 0) {
+      piece.mask_id = masks.id(p);
+      piece.hole = z == 0.0F;
+      piece.person = label_set.mobility(labels(p)) == Mobility::kPerson;
     }
+    ++piece.size_px;
+    piece.depth_sum_m += z;
+    const bool inside = p.y > 0 && p.y + 1 < rows && p.x > 0 && p.x + 1 < cols && part_of[i - 1] == part &&
+                        part_of[i + 1] == part && part_of[i - cols] == part && part_of[i + cols] == part;
+    if (!inside) ++piece.border_px;
   }
   return pieces;
 }
@@ -240,8 +234,9 @@ double neighbourDistance(const cv::Mat1i& mask, int mask_id, const int* pixels, 
 }
 
 struct DepthRefiner::Buffers {
+  std::vector<cv::Point> labelled;  ///< in raster order: most of an image has no label
   ConnectedRegions masks, parts;
-  std::vector<int> pixels;
+  std::vector<int> pixels;  ///< the same, mask by mask
   cv::Mat3f points_m;
   cv::Mat1b bands, scratch;
 };
@@ -256,21 +251,20 @@ DepthRefiner& DepthRefiner::operator=(DepthRefiner&&) noexcept = default;
 cv::Mat1b DepthRefiner::refine(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame) {
   assert(labels.size() == frame.depth_m.size() && labels.isContinuous());
   if (!config_.enabled) return labels.clone();
-  auto& [masks, parts, pixels, points_m, bands, scratch] = *buffers_;
+  auto& [labelled, masks, parts, pixels, points_m, bands, scratch] = *buffers_;
   const std::uint8_t* label = labels.ptr<std::uint8_t>();
+  cv::findNonZero(labels, labelled);
   connectRegions(
-      labels.size(), [label](int i) { return label[i] != 0; }, [label](int a, int b) { return label[a] == label[b]; },
-      masks);
-  std::vector<GrownMask> grown = collectMasks(masks, frame, pixels, points_m);
+      labels.size(), labelled, [label](int a, int b) { return label[a] == label[b]; }, masks);
+  std::vector<GrownMask> grown = collectMasks(masks, labelled, frame, pixels, points_m);
   for (int m = 0; m < masks.count; ++m) prepareGrowth(grown[m], masks, m, points_m, config_);
   // All growths at once: what a seed reaches is the piece it lies in.
   const Steps steps(masks, grown, points_m);
-  const auto in_mask = [id = masks.id.ptr<int>()](int i) { return id[i] >= 0; };
   connectRegions(
-      labels.size(), in_mask, [&steps](int a, int b) { return steps.joined(a, b); }, parts);
-  findBands(masks, grown, steps, frame.depth_m, config_.band_px, bands, scratch);
+      labels.size(), labelled, [&steps](int a, int b) { return steps.joined(a, b); }, parts);
+  findBands(masks, labelled, grown, steps, frame.depth_m, config_.band_px, bands, scratch);
 
-  std::vector<Piece> pieces = describePieces(parts, masks, points_m, labels, label_set);
+  std::vector<Piece> pieces = describePieces(parts, masks, labelled, points_m, labels, label_set);
   const std::vector<int> main = mainPieces(grown, pieces, parts);
   keepSurfaces(pieces, main, grown, config_);
   keepEnclosed(pieces, main, grown, parts, bands, config_);

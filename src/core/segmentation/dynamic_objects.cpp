@@ -26,21 +26,21 @@ std::vector<DynamicObject> decideDynamic(const cv::Mat1b& labels, const LabelSet
                                          double phi, cv::Mat1b* removal_mask) {
   assert(moving.empty() || moving.size() == labels.size());
   const std::uint8_t* label = labels.ptr<std::uint8_t>();
-  const ConnectedRegions masks = connectRegions(
-      labels.size(), [label](int i) { return label[i] != 0; }, [label](int a, int b) { return label[a] == label[b]; });
+  std::vector<cv::Point> pixels;
+  cv::findNonZero(labels, pixels);
+  ConnectedRegions masks;
+  connectRegions(
+      labels.size(), pixels, [label](int a, int b) { return label[a] == label[b]; }, masks);
 
   std::vector<DynamicObject> objects(masks.count);
   std::vector<int> moving_px(masks.count, 0);
-  for (int v = 0; v < labels.rows; ++v) {
-    for (int u = 0; u < labels.cols; ++u) {
-      const int m = masks.id(v, u);
-      if (m < 0) continue;
-      DynamicObject& object = objects[m];
-      object.label = labels(v, u);
-      object.box |= cv::Rect(u, v, 1, 1);
-      ++object.mask_px;
-      if (!moving.empty() && moving(v, u) >= kMovingFrom) ++moving_px[m];
-    }
+  for (const cv::Point& p : pixels) {
+    const int m = masks.id(p);
+    DynamicObject& object = objects[m];
+    object.label = labels(p);
+    object.box |= cv::Rect(p, cv::Size(1, 1));
+    ++object.mask_px;
+    if (!moving.empty() && moving(p) >= kMovingFrom) ++moving_px[m];
   }
   for (int m = 0; m < masks.count; ++m) {
     DynamicObject& object = objects[m];
@@ -50,11 +50,9 @@ std::vector<DynamicObject> decideDynamic(const cv::Mat1b& labels, const LabelSet
   }
   if (removal_mask != nullptr) {
     removal_mask->create(labels.size());
-    for (int v = 0; v < labels.rows; ++v) {
-      for (int u = 0; u < labels.cols; ++u) {
-        const int m = masks.id(v, u);
-        (*removal_mask)(v, u) = m >= 0 && objects[m].removed ? 255 : 0;
-      }
+    removal_mask->setTo(0);
+    for (const cv::Point& p : pixels) {
+      if (objects[masks.id(p)].removed) (*removal_mask)(p) = 255;
     }
   }
   return objects;

@@ -36,8 +36,9 @@ void growthDistance(std::vector<int> front, const Steps& steps, int limit_px, cv
 
 /// Bands between a step, on whose far side they lie, and the mask's border: growth reaches them where the object
 /// touches what it stands on.
-void findHiddenBackground(const ConnectedRegions& masks, const std::vector<GrownMask>& prepared, const Steps& steps,
-                          int width_px, cv::Mat1b& bands, cv::Mat1b& scratch) {
+void findHiddenBackground(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled,
+                          const std::vector<GrownMask>& prepared, const Steps& steps, int width_px, cv::Mat1b& bands,
+                          cv::Mat1b& scratch) {
   const int width = masks.id.cols, height = masks.id.rows;
   std::vector<int> border, hidden, last_in_column(width, -1);
   const auto compare = [&](int before, int now) {  // both have depth; holes between them are looked across
@@ -46,18 +47,19 @@ void findHiddenBackground(const ConnectedRegions& masks, const std::vector<Grown
     if (behind >= 0) hidden.push_back(behind);
   };
   const int* id = masks.id.ptr<int>();
-  for (int v = 0, i = 0; v < height; ++v) {
-    int last_in_row = -1;
-    for (int u = 0; u < width; ++u, ++i) {
-      if (id[i] < 0 || prepared[id[i]].seed < 0) continue;
-      const bool on_border = (u > 0 && id[i - 1] != id[i]) || (u + 1 < width && id[i + 1] != id[i]) ||
-                             (v > 0 && id[i - width] != id[i]) || (v + 1 < height && id[i + width] != id[i]);
-      if (on_border) border.push_back(i);
-      if (!steps.hasDepth(i)) continue;
-      compare(last_in_row, i);
-      compare(last_in_column[u], i);
-      last_in_row = last_in_column[u] = i;
-    }
+  int last_in_row = -1, row = -1;
+  for (const cv::Point& p : labelled) {
+    const int i = p.y * width + p.x, mask = id[i];
+    if (p.y != row) last_in_row = -1;
+    row = p.y;
+    if (prepared[mask].seed < 0) continue;
+    const bool on_border = (p.x > 0 && id[i - 1] != mask) || (p.x + 1 < width && id[i + 1] != mask) ||
+                           (p.y > 0 && id[i - width] != mask) || (p.y + 1 < height && id[i + width] != mask);
+    if (on_border) border.push_back(i);
+    if (!steps.hasDepth(i)) continue;
+    compare(last_in_row, i);
+    compare(last_in_column[p.x], i);
+    last_in_row = last_in_column[p.x] = i;
   }
   bands.create(masks.id.size());
   scratch.create(masks.id.size());
@@ -133,27 +135,27 @@ class ContinuedBackground {
   std::uint8_t* bands_;
 };
 
-void findContinuedBackground(const ConnectedRegions& masks, const cv::Mat1f& depth_m, int width_px, cv::Mat1b& bands) {
+void findContinuedBackground(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled,
+                             const cv::Mat1f& depth_m, int width_px, cv::Mat1b& bands) {
   const int width = masks.id.cols, height = masks.id.rows;
   ContinuedBackground background(masks, depth_m, width_px, bands);
   const int* id = masks.id.ptr<int>();
-  for (int v = 0, i = 0; v < height; ++v) {
-    for (int u = 0; u < width; ++u, ++i) {
-      if (id[i] < 0) continue;
-      if (u > 0 && id[i - 1] < 0) background.follow(i, -1, u, width - u);
-      if (u + 1 < width && id[i + 1] < 0) background.follow(i, 1, width - 1 - u, u + 1);
-      if (v > 0 && id[i - width] < 0) background.follow(i, -width, v, height - v);
-      if (v + 1 < height && id[i + width] < 0) background.follow(i, width, height - 1 - v, v + 1);
-    }
+  for (const cv::Point& p : labelled) {
+    const int u = p.x, v = p.y, i = v * width + u;
+    if (u > 0 && id[i - 1] < 0) background.follow(i, -1, u, width - u);
+    if (u + 1 < width && id[i + 1] < 0) background.follow(i, 1, width - 1 - u, u + 1);
+    if (v > 0 && id[i - width] < 0) background.follow(i, -width, v, height - v);
+    if (v + 1 < height && id[i + width] < 0) background.follow(i, width, height - 1 - v, v + 1);
   }
 }
 
 }  // namespace
 
-void findBands(const ConnectedRegions& masks, const std::vector<GrownMask>& prepared, const Steps& steps,
-               const cv::Mat1f& depth_m, int width_px, cv::Mat1b& bands, cv::Mat1b& scratch) {
-  findHiddenBackground(masks, prepared, steps, width_px, bands, scratch);
-  findContinuedBackground(masks, depth_m, width_px, bands);
+void findBands(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled,
+               const std::vector<GrownMask>& prepared, const Steps& steps, const cv::Mat1f& depth_m, int width_px,
+               cv::Mat1b& bands, cv::Mat1b& scratch) {
+  findHiddenBackground(masks, labelled, prepared, steps, width_px, bands, scratch);
+  findContinuedBackground(masks, labelled, depth_m, width_px, bands);
 }
 
 }  // namespace semantic_vslam

@@ -11,9 +11,15 @@ namespace {
 ConnectedRegions regionsOf(const std::vector<std::string>& rows) {
   std::string all;
   for (const auto& row : rows) all += row;
-  return connectRegions(
-      cv::Size(static_cast<int>(rows[0].size()), static_cast<int>(rows.size())), [&](int i) { return all[i] != '.'; },
-      [&](int a, int b) { return all[a] == all[b]; });
+  const cv::Size size(static_cast<int>(rows[0].size()), static_cast<int>(rows.size()));
+  std::vector<cv::Point> pixels;
+  for (int i = 0; i < size.area(); ++i) {
+    if (all[i] != '.') pixels.emplace_back(i % size.width, i / size.width);
+  }
+  ConnectedRegions regions;
+  connectRegions(
+      size, pixels, [&](int a, int b) { return all[a] == all[b]; }, regions);
+  return regions;
 }
 
 TEST(ConnectRegions, JoinsOverCornersAndNumbersByFirstPixel) {

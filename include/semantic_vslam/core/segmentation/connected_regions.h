@@ -15,14 +15,16 @@ struct ConnectedRegions {
   std::vector<int> size_px;  ///< of each region
 };
 
-/// Splits the pixels that `active(index)` names into 8-connected regions of pixels that `joined(a, b)` puts together;
-/// indices are row * width + column. Regions are numbered in the order of their first pixel. Union-find over one raster
-/// scan: linear in the number of pixels.
+/// Splits pixels into 8-connected regions of those that `joined(a, b)` puts together; a and b are row * width + column.
+/// Regions are numbered in the order of their first pixel. Union-find over one scan: linear in the number of pixels.
+/// @param pixels   the ones to split, in raster order as cv::findNonZero() gives them; others are in no region
 /// @param regions  result; its memory is used again if it is large enough
-template <class Active, class Joined>
-void connectRegions(const cv::Size& size, const Active& active, const Joined& joined, ConnectedRegions& regions) {
+template <class Joined>
+void connectRegions(const cv::Size& size, const std::vector<cv::Point>& pixels, const Joined& joined,
+                    ConnectedRegions& regions) {
   const int width = size.width;
   regions.id.create(size);
+  regions.id.setTo(-1);
   regions.count = 0;
   regions.size_px.clear();
   int* parent = regions.id.ptr<int>();  // the forest lives in the result: a pixel's parent never comes after it
@@ -35,20 +37,18 @@ void connectRegions(const cv::Size& size, const Active& active, const Joined& jo
     const int root_a = rootOf(a), root_b = rootOf(b);
     parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
   };
-  for (int v = 0, i = 0; v < size.height; ++v) {
-    for (int u = 0; u < width; ++u, ++i) {
-      parent[i] = active(i) ? i : -1;
-      if (parent[i] < 0) continue;
-      if (u > 0) join(i, i - 1);
-      if (v == 0) continue;
-      if (u > 0) join(i, i - width - 1);
-      join(i, i - width);
-      if (u + 1 < width) join(i, i - width + 1);
-    }
+  for (const cv::Point& p : pixels) {
+    const int i = p.y * width + p.x;
+    parent[i] = i;
+    if (p.y > 0) join(i, i - width);  // first, for it is most often joined to the other three already
+    if (p.x > 0) join(i, i - 1);
+    if (p.y == 0) continue;
+    if (p.x > 0) join(i, i - width - 1);
+    if (p.x + 1 < width) join(i, i - width + 1);
   }
   // Parents come first, so that one more scan turns the forest into numbers in place.
-  for (int i = 0; i < size.area(); ++i) {
-    if (parent[i] < 0) continue;
+  for (const cv::Point& p : pixels) {
+    const int i = p.y * width + p.x;
     if (parent[i] == i) {
       parent[i] = regions.count++;
       regions.size_px.push_back(1);
@@ -57,13 +57,6 @@ void connectRegions(const cv::Size& size, const Active& active, const Joined& jo
       ++regions.size_px[parent[i]];
     }
   }
-}
-
-template <class Active, class Joined>
-ConnectedRegions connectRegions(const cv::Size& size, const Active& active, const Joined& joined) {
-  ConnectedRegions regions;
-  connectRegions(size, active, joined, regions);
-  return regions;
 }
 
 }  // namespace semantic_vslam

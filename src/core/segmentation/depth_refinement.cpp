@@ -25,10 +25,30 @@ T medianOf(std::vector<T> values) {
   return values[values.size() / 2];
 }
 
+/// The pixels that regions are grown over: the first of each block of stride x stride px.
+struct Grid {
+  cv::Mat1b labels;
+  cv::Mat1f depth_m;
+  cv::Mat2f rays;
+};
+
+template <class T>
+void takeEvery(int stride, const cv::Mat_<T>& image, cv::Mat_<T>& grid) {
+  if (stride == 1) {
+    grid = image;
+  } else {
+    grid.create((image.rows + stride - 1) / stride, (image.cols + stride - 1) / stride);
+    for (int v = 0; v < grid.rows; ++v) {
+      const T* row = image[v * stride];
+      for (int u = 0; u < grid.cols; ++u) grid(v, u) = row[u * stride];
+    }
+  }
+}
+
 /// Collects the masks' pixels and computes the 3-D points of all of them; other points stay undefined.
 /// @param pixels, points_m  memory for the result
 std::vector<GrownMask> collectMasks(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled,
-                                    const RgbdFrame& frame, std::vector<int>& pixels, cv::Mat3f& points_m) {
+                                    const Grid& grid, std::vector<int>& pixels, cv::Mat3f& points_m) {
   std::vector<int*> next(masks.count);
   std::vector<GrownMask> collected(masks.count);
   pixels.resize(labelled.size());
@@ -40,12 +60,12 @@ std::vector<GrownMask> collectMasks(const ConnectedRegions& masks, const std::ve
   }
   points_m.create(masks.id.size());
   const int* id = masks.id.ptr<int>();
-  const cv::Vec2f* ray = frame.camera->rays().ptr<cv::Vec2f>();
+  const cv::Vec2f* ray = grid.rays.ptr<cv::Vec2f>();
   for (const cv::Point& p : labelled) {
     const int i = p.y * masks.id.cols + p.x;
     *next[id[i]]++ = i;
     collected[id[i]].moments.add(p);
-    const float z = frame.depth_m(p);
+    const float z = grid.depth_m(p);
     points_m.ptr<cv::Vec3f>()[i] = {ray[i][0] * z, ray[i][1] * z, z};
   }
   return collected;
@@ -197,6 +217,24 @@ void keepEnclosed(std::vector<Piece>& pieces, const std::vector<int>& main, cons
   }
 }
 
+/// Labels of all pixels from those that were kept on the grid.
+cv::Mat1b spread(const cv::Mat1b& kept, const cv::Mat1b& labels, const cv::Mat1f& depth_m, const Steps& steps,
+                 int stride) {
+  cv::Mat1b refined(labels.size(), std::uint8_t{0});
+  for (int v = 0; v < labels.rows; ++v) {
+    const std::uint8_t* label = labels[v];
+    const std::uint8_t* kept_row = kept[v / stride];
+    const int first = v / stride * kept.cols;
+    for (int cell = 0; cell < kept.cols; ++cell) {
+      if (kept_row[cell] == 0) continue;
+      for (int u = cell * stride; u < std::min((cell + 1) * stride, labels.cols); ++u) {
+        if (label[u] == kept_row[cell] && steps.level(first + cell, depth_m(v, u))) refined(v, u) = label[u];
+      }
+    }
+  }
+  return refined;
+}
+
 /// Mean distance of a pixel to its neighbours in the mask, the largest and smallest left out; negative if it has fewer
 /// than three.
 double trimmedNeighbourMean(const cv::Mat1i& mask, int mask_id, const cv::Point& p, const cv::Mat3f& points_m) {
@@ -234,51 +272,64 @@ double neighbourDistance(const cv::Mat1i& mask, int mask_id, const int* pixels, 
 }
 
 struct DepthRefiner::Buffers {
+  Grid grid;
   std::vector<cv::Point> labelled;  ///< in raster order: most of an image has no label
   ConnectedRegions masks, parts;
   std::vector<int> pixels;  ///< the same, mask by mask
   cv::Mat3f points_m;
-  cv::Mat1b bands, scratch;
+  cv::Mat1b bands, scratch, kept;
 };
 
-DepthRefiner::DepthRefiner(const RefinementConfig& config) : config_(config), buffers_(std::make_unique<Buffers>()) {
+DepthRefiner::DepthRefiner(const RefinementConfig& config)
+    : config_(config), on_grid_(config), buffers_(std::make_unique<Buffers>()) {
   validateConfig(config_);
+  if (config_.stride_px > 1 && config_.band_px > 0) {
+    on_grid_.band_px = config_.band_px / config_.stride_px + 1;  // the grid's first pixel may lie a stride inside
+  }
+  on_grid_.min_mask_px = config_.min_mask_px / (config_.stride_px * config_.stride_px);
+  on_grid_.min_thickness_px = config_.min_thickness_px / config_.stride_px;
 }
 DepthRefiner::~DepthRefiner() = default;
 DepthRefiner::DepthRefiner(DepthRefiner&&) noexcept = default;
 DepthRefiner& DepthRefiner::operator=(DepthRefiner&&) noexcept = default;
 
 cv::Mat1b DepthRefiner::refine(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame) {
-  assert(labels.size() == frame.depth_m.size() && labels.isContinuous());
+  assert(labels.size() == frame.depth_m.size());
   if (!config_.enabled) return labels.clone();
-  auto& [labelled, masks, parts, pixels, points_m, bands, scratch] = *buffers_;
-  const std::uint8_t* label = labels.ptr<std::uint8_t>();
-  cv::findNonZero(labels, labelled);
+  auto& [grid, labelled, masks, parts, pixels, points_m, bands, scratch, kept] = *buffers_;
+  takeEvery(config_.stride_px, labels, grid.labels);
+  takeEvery(config_.stride_px, frame.depth_m, grid.depth_m);
+  takeEvery(config_.stride_px, frame.camera->rays(), grid.rays);
+  const cv::Size size = grid.labels.size();
+  assert(grid.labels.isContinuous());
+  const std::uint8_t* label = grid.labels.ptr<std::uint8_t>();
+  cv::findNonZero(grid.labels, labelled);
   connectRegions(
-      labels.size(), labelled, [label](int a, int b) { return label[a] == label[b]; }, masks);
-  std::vector<GrownMask> grown = collectMasks(masks, labelled, frame, pixels, points_m);
-  for (int m = 0; m < masks.count; ++m) prepareGrowth(grown[m], masks, m, points_m, config_);
+      size, labelled, [label](int a, int b) { return label[a] == label[b]; }, masks);
+  std::vector<GrownMask> grown = collectMasks(masks, labelled, grid, pixels, points_m);
+  for (int m = 0; m < masks.count; ++m) prepareGrowth(grown[m], masks, m, points_m, on_grid_);
   // All growths at once: what a seed reaches is the piece it lies in.
   const Steps steps(masks, grown, points_m);
   connectRegions(
-      labels.size(), labelled, [&steps](int a, int b) { return steps.joined(a, b); }, parts);
-  findBands(masks, labelled, grown, steps, frame.depth_m, config_.band_px, bands, scratch);
+      size, labelled, [&steps](int a, int b) { return steps.joined(a, b); }, parts);
+  findBands(masks, labelled, grown, steps, grid.depth_m, on_grid_.band_px, bands, scratch);
 
-  std::vector<Piece> pieces = describePieces(parts, masks, labelled, points_m, labels, label_set);
+  std::vector<Piece> pieces = describePieces(parts, masks, labelled, points_m, grid.labels, label_set);
   const std::vector<int> main = mainPieces(grown, pieces, parts);
-  keepSurfaces(pieces, main, grown, config_);
-  keepEnclosed(pieces, main, grown, parts, bands, config_);
+  keepSurfaces(pieces, main, grown, on_grid_);
+  keepEnclosed(pieces, main, grown, parts, bands, on_grid_);
 
-  cv::Mat1b refined(labels.size(), std::uint8_t{0});
+  kept.create(size);
+  kept.setTo(0);
   for (const GrownMask& mask : grown) {
-    if (static_cast<int>(mask.size_px) < config_.min_mask_px) continue;
+    if (static_cast<int>(mask.size_px) < on_grid_.min_mask_px) continue;
     for (std::size_t k = 0; k < mask.size_px; ++k) {
       const int i = mask.pixels[k];
       const bool keep = pieces[parts.id.ptr<int>()[i]].keep && bands.ptr<std::uint8_t>()[i] == 0;
-      if (keep) refined.ptr<std::uint8_t>()[i] = label[i];
+      if (keep) kept.ptr<std::uint8_t>()[i] = label[i];
     }
   }
-  return refined;
+  return config_.stride_px == 1 ? kept.clone() : spread(kept, labels, frame.depth_m, steps, config_.stride_px);
 }
 
 cv::Mat1b refineOnDepth(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame,

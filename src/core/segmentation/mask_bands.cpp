@@ -76,7 +76,7 @@ struct InverseDepthLine {
 
   /// @param outside  z of the background pixels beside a mask, the nearest first; 0: none
   static InverseDepthLine fit(const float* outside, std::ptrdiff_t step, int count) {
-    constexpr int kFewest = 6;
+    constexpr int kFewest = 4;
     float n = 0.0F, t1 = 0.0F, t2 = 0.0F, w1 = 0.0F, tw = 0.0F;
     for (int k = 1; k < count; ++k) {  // the pixel next to the mask is left out: sensors blur an edge
       const float z = outside[k * step];

@@ -31,14 +31,21 @@ cv::Rect grown(const cv::Rect& box, int by_px) {
   return {box.x - by_px, box.y - by_px, box.width + 2 * by_px, box.height + 2 * by_px};
 }
 
-cv::Mat1b refine(const cv::Mat1b& labels, const cv::Mat1f& depth_m, const RefinementConfig& config = {}) {
+RefinementConfig withStride(int stride_px) {
+  RefinementConfig config;
+  config.stride_px = stride_px;
+  return config;
+}
+
+/// Over every pixel unless the test says otherwise: most scenes here are small, and exact to the pixel.
+cv::Mat1b refine(const cv::Mat1b& labels, const cv::Mat1f& depth_m, const RefinementConfig& config = withStride(1)) {
   return refineOnDepth(labels, officeLabels(), frameOf(depth_m), config);
 }
 
 int differing(const cv::Mat1b& a, const cv::Mat1b& b) { return cv::countNonZero(a != b); }
 
 RefinementConfig asPublished() {
-  RefinementConfig config;
+  RefinementConfig config = withStride(1);
   config.average = "mean";
   config.min_region_share = 1.0;
   config.band_px = 0;
@@ -101,6 +108,24 @@ TEST_F(NeighbourDistance, AveragesOverTheSamplesByMeanOrMedian) {
 TEST(RefineOnDepth, CutsAMaskThatIsTooLargeBackToTheObject) {
   EXPECT_EQ(differing(refine(labelled(grown(kObject, 8)), wallWith(kObject)), labelled(kObject)), 0);
   EXPECT_EQ(differing(refine(labelled(grown(kObject, 3)), wallWith(kObject), asPublished()), labelled(kObject)), 0);
+}
+
+TEST(RefineOnDepth, IsAsSharpOnAGrid) {
+  const cv::Rect object(41, 21, 39, 59);  // begins and ends within blocks of the grid
+  for (const int stride : {2, 3}) {
+    const cv::Mat1b refined = refine(labelled(grown(object, 8)), wallWith(object), withStride(stride));
+    EXPECT_EQ(cv::countNonZero(refined & ~(labelled(object) * 255)), 0) << "stride " << stride;
+    // A block whose first pixel is not the object's goes with the background.
+    EXPECT_LT(differing(refined, labelled(object)), (stride - 1) * (object.width + object.height))
+        << "stride " << stride;
+  }
+}
+
+TEST(RefineOnDepth, CoversImagesThatAGridDoesNotDivide) {
+  const cv::Size size(121, 99);
+  const cv::Mat1b all(size, kPerson);
+  EXPECT_EQ(differing(refine(all, cv::Mat1f(size, 2.0F), withStride(2)), all), 0);
+  EXPECT_EQ(differing(refine(all, cv::Mat1f(size, 0.0F), withStride(4)), all), 0);
 }
 
 TEST(RefineOnDepth, NeverGrowsBeyondTheMask) {
@@ -259,13 +284,13 @@ TEST(RefineOnDepth, RemovesMostOfTheBleedUnderRealisticNoise) {
   }
   cv::Mat1b mask;
   cv::dilate(body, mask, cv::getStructuringElement(cv::MORPH_ELLIPSE, {17, 17}));
-  const cv::Mat1b refined = refine(mask, depth);
+  const cv::Mat1b refined = refine(mask, depth, {});
   const double off_before = static_cast<double>(cv::countNonZero(mask & ~(body * 255))) / cv::countNonZero(mask);
   const double off_after = static_cast<double>(cv::countNonZero(refined & ~(body * 255))) / cv::countNonZero(refined);
   EXPECT_GT(off_before, 0.1);
   EXPECT_LT(off_after, 0.2 * off_before);
   EXPECT_GT(cv::countNonZero(refined & body), 0.99 * cv::countNonZero(body));
-  EXPECT_EQ(differing(refine(mask, depth), refined), 0);  // the same seed gives the same samples
+  EXPECT_EQ(differing(refine(mask, depth, {}), refined), 0);  // the same seed gives the same samples
 }
 
 }  // namespace

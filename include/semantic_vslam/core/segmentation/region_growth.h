@@ -52,6 +52,11 @@ class Steps {
     if (!hasDepth(a) || !hasDepth(b)) return hasDepth(a) == hasDepth(b);
     return isBelow(squaredDistance(point_m_[a], point_m_[b]), 1.0F, a, b);
   }
+  /// Whether a pixel of this depth next to pixel i is level with it, or one of the two has no depth.
+  bool level(int i, float z) const {
+    const float zi = point_m_[i][2];
+    return z == 0.0F || zi == 0.0F || isBelow((z - zi) * (z - zi), 1.0F, i, i);
+  }
   /// @return the one of two pixels with depth that another surface hides partly; -1 if there is no such step.
   int behind(int a, int b) const {
     constexpr float kClearSteps = 4.0F;  // several T: noise does not look like an edge

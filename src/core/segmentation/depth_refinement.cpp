@@ -27,9 +27,9 @@ T medianOf(std::vector<T> values) {
 
 /// The pixels that regions are grown over: the first of each block of stride x stride px.
 struct Grid {
+  int stride = 1;
   cv::Mat1b labels;
   cv::Mat1f depth_m;
-  cv::Mat2f rays;
 };
 
 template <class T>
@@ -39,8 +39,9 @@ void takeEvery(int stride, const cv::Mat_<T>& image, cv::Mat_<T>& grid) {
   } else {
     grid.create((image.rows + stride - 1) / stride, (image.cols + stride - 1) / stride);
     for (int v = 0; v < grid.rows; ++v) {
-      const T* row = image[v * stride];
-      for (int u = 0; u < grid.cols; ++u) grid(v, u) = row[u * stride];
+      const T* from = image[v * stride];
+      T* to = grid[v];
+      for (int u = 0; u < grid.cols; ++u) to[u] = from[u * stride];
     }
   }
 }
@@ -48,7 +49,8 @@ void takeEvery(int stride, const cv::Mat_<T>& image, cv::Mat_<T>& grid) {
 /// Collects the masks' pixels and computes the 3-D points of all of them; other points stay undefined.
 /// @param pixels, points_m  memory for the result
 std::vector<GrownMask> collectMasks(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled,
-                                    const Grid& grid, std::vector<int>& pixels, cv::Mat3f& points_m) {
+                                    const Grid& grid, const cv::Mat2f& rays, std::vector<int>& pixels,
+                                    cv::Mat3f& points_m) {
   std::vector<int*> next(masks.count);
   std::vector<GrownMask> collected(masks.count);
   pixels.resize(labelled.size());
@@ -60,13 +62,13 @@ std::vector<GrownMask> collectMasks(const ConnectedRegions& masks, const std::ve
   }
   points_m.create(masks.id.size());
   const int* id = masks.id.ptr<int>();
-  const cv::Vec2f* ray = grid.rays.ptr<cv::Vec2f>();
   for (const cv::Point& p : labelled) {
     const int i = p.y * masks.id.cols + p.x;
     *next[id[i]]++ = i;
     collected[id[i]].moments.add(p);
     const float z = grid.depth_m(p);
-    points_m.ptr<cv::Vec3f>()[i] = {ray[i][0] * z, ray[i][1] * z, z};
+    const cv::Vec2f& ray = rays(p * grid.stride);
+    points_m.ptr<cv::Vec3f>()[i] = {ray[0] * z, ray[1] * z, z};
   }
   return collected;
 }
@@ -223,12 +225,15 @@ cv::Mat1b spread(const cv::Mat1b& kept, const cv::Mat1b& labels, const cv::Mat1f
   cv::Mat1b refined(labels.size(), std::uint8_t{0});
   for (int v = 0; v < labels.rows; ++v) {
     const std::uint8_t* label = labels[v];
-    const std::uint8_t* kept_row = kept[v / stride];
+    const std::uint8_t* kept_label = kept[v / stride];
+    const float* z = depth_m[v];
+    std::uint8_t* to = refined[v];
     const int first = v / stride * kept.cols;
     for (int cell = 0; cell < kept.cols; ++cell) {
-      if (kept_row[cell] == 0) continue;
-      for (int u = cell * stride; u < std::min((cell + 1) * stride, labels.cols); ++u) {
-        if (label[u] == kept_row[cell] && steps.level(first + cell, depth_m(v, u))) refined(v, u) = label[u];
+      if (kept_label[cell] == 0) continue;
+      const int end = std::min((cell + 1) * stride, labels.cols);
+      for (int u = cell * stride; u < end; ++u) {
+        if (label[u] == kept_label[cell] && steps.level(first + cell, z[u])) to[u] = label[u];
       }
     }
   }
@@ -297,16 +302,16 @@ cv::Mat1b DepthRefiner::refine(const cv::Mat1b& labels, const LabelSet& label_se
   assert(labels.size() == frame.depth_m.size());
   if (!config_.enabled) return labels.clone();
   auto& [grid, labelled, masks, parts, pixels, points_m, bands, scratch, kept] = *buffers_;
-  takeEvery(config_.stride_px, labels, grid.labels);
-  takeEvery(config_.stride_px, frame.depth_m, grid.depth_m);
-  takeEvery(config_.stride_px, frame.camera->rays(), grid.rays);
+  grid.stride = config_.stride_px;
+  takeEvery(grid.stride, labels, grid.labels);
+  takeEvery(grid.stride, frame.depth_m, grid.depth_m);
   const cv::Size size = grid.labels.size();
   assert(grid.labels.isContinuous());
   const std::uint8_t* label = grid.labels.ptr<std::uint8_t>();
   cv::findNonZero(grid.labels, labelled);
   connectRegions(
       size, labelled, [label](int a, int b) { return label[a] == label[b]; }, masks);
-  std::vector<GrownMask> grown = collectMasks(masks, labelled, grid, pixels, points_m);
+  std::vector<GrownMask> grown = collectMasks(masks, labelled, grid, frame.camera->rays(), pixels, points_m);
   for (int m = 0; m < masks.count; ++m) prepareGrowth(grown[m], masks, m, points_m, on_grid_);
   // All growths at once: what a seed reaches is the piece it lies in.
   const Steps steps(masks, grown, points_m);
@@ -329,7 +334,7 @@ cv::Mat1b DepthRefiner::refine(const cv::Mat1b& labels, const LabelSet& label_se
       if (keep) kept.ptr<std::uint8_t>()[i] = label[i];
     }
   }
-  return config_.stride_px == 1 ? kept.clone() : spread(kept, labels, frame.depth_m, steps, config_.stride_px);
+  return grid.stride == 1 ? kept.clone() : spread(kept, labels, frame.depth_m, steps, grid.stride);
 }
 
 cv::Mat1b refineOnDepth(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame,

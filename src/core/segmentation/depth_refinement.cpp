@@ -25,12 +25,15 @@ T medianOf(std::vector<T> values) {
   return values[values.size() / 2];
 }
 
-/// The pixels that regions are grown over: the first of each block of stride x stride px.
+/// The pixels that regions are grown over: the middle of each block of stride x stride px.
 struct Grid {
   int stride = 1;
   cv::Mat1b labels;
   cv::Mat1f depth_m;
 };
+
+/// @return row or column of the image, of that many, for one of the grid; the last block may be cut off
+int middle(int index, int stride, int count) { return std::min(index * stride + stride / 2, count - 1); }
 
 template <class T>
 void takeEvery(int stride, const cv::Mat_<T>& image, cv::Mat_<T>& grid) {
@@ -39,9 +42,9 @@ void takeEvery(int stride, const cv::Mat_<T>& image, cv::Mat_<T>& grid) {
   } else {
     grid.create((image.rows + stride - 1) / stride, (image.cols + stride - 1) / stride);
     for (int v = 0; v < grid.rows; ++v) {
-      const T* from = image[v * stride];
+      const T* from = image[middle(v, stride, image.rows)];
       T* to = grid[v];
-      for (int u = 0; u < grid.cols; ++u) to[u] = from[u * stride];
+      for (int u = 0; u < grid.cols; ++u) to[u] = from[middle(u, stride, image.cols)];
     }
   }
 }
@@ -67,7 +70,7 @@ std::vector<GrownMask> collectMasks(const ConnectedRegions& masks, const std::ve
     *next[id[i]]++ = i;
     collected[id[i]].moments.add(p);
     const float z = grid.depth_m(p);
-    const cv::Vec2f& ray = rays(p * grid.stride);
+    const cv::Vec2f& ray = rays(middle(p.y, grid.stride, rays.rows), middle(p.x, grid.stride, rays.cols));
     points_m.ptr<cv::Vec3f>()[i] = {ray[0] * z, ray[1] * z, z};
   }
   return collected;
@@ -289,7 +292,7 @@ DepthRefiner::DepthRefiner(const RefinementConfig& config)
     : config_(config), on_grid_(config), buffers_(std::make_unique<Buffers>()) {
   validateConfig(config_);
   if (config_.stride_px > 1 && config_.band_px > 0) {
-    on_grid_.band_px = config_.band_px / config_.stride_px + 1;  // the grid's first pixel may lie a stride inside
+    on_grid_.band_px = config_.band_px / config_.stride_px + 1;  // the grid's first pixel may lie that much inside
   }
   on_grid_.min_mask_px = config_.min_mask_px / (config_.stride_px * config_.stride_px);
   on_grid_.min_thickness_px = config_.min_thickness_px / config_.stride_px;

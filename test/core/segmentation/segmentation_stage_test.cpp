@@ -39,7 +39,9 @@ RgbdFrame personBeforeWall() {
 
 TEST(SegmentationStage, RefinesWhatTheNetworkSays) {
   bool fail = false;
-  SegmentationStage stage({}, std::make_unique<FixedSegmenter>(&fail));
+  SegmentationConfig config;
+  config.refinement.stride_px = 1;
+  SegmentationStage stage(config, std::make_unique<FixedSegmenter>(&fail));
   EXPECT_TRUE(stage.enabled());
   EXPECT_EQ(stage.labels().size(), 4U);
   const cv::Mat1b labels = stage.process(personBeforeWall());

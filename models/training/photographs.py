@@ -40,9 +40,12 @@ def read_list(path):
 
 def fetch(name, version, integrity, folder):
     """@return path of the package's archive; ends the program if it cannot be had or is not the one of the list"""
-    packed = subprocess.run(['npm', 'pack', f'{name}@{version}', '--silent', '--pack-destination', folder],
-                            capture_output=True, text=True, check=False)
-    if packed.returncode:
+    try:
+        packed = subprocess.run(['npm', 'pack', f'{name}@{version}', '--silent', '--pack-destination', folder],
+                                capture_output=True, text=True, check=False)
+    except FileNotFoundError:
+        raise SystemExit('npm is not installed; it fetches the packages') from None
+    if packed.returncode or not packed.stdout.strip():
         raise SystemExit(f'{name}@{version}: npm pack failed: {packed.stderr.strip()[-300:]}')
     path = os.path.join(folder, packed.stdout.split()[-1])
     with open(path, 'rb') as archive:

@@ -20,7 +20,8 @@ from classes import IGNORE, PERSON
 
 # COCO's numbers of our classes: person, bottle, cup, chair, table, screen, laptop, mouse, keyboard, book
 OURS = (0, 39, 41, 56, 60, 62, 63, 64, 66, 73)
-COCO_PERSON = 0
+COCO_PERSON, COCO_CLASSES = 0, 80
+STRIDES = (8, 16, 32)         # of the detector's grids, px
 SURE, SUSPECTED = 0.35, 0.08  # scores
 MARGIN = 0.1                  # of a box's width and height: boxes of small networks cut off hands and feet
 MIN_PEOPLE = 0.003            # share of the image: fewer pixels are no people
@@ -37,11 +38,11 @@ class Detector:
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = 1
         self.session = onnxruntime.InferenceSession(path, options, providers=['CPUExecutionProvider'])
-        self.input = self.session.get_inputs()[0]
+        self.input, (output, *_) = self.session.get_inputs()[0], self.session.get_outputs()
         self.side = self.input.shape[-1]
-        strides = (8, 16, 32)
-        self.stride = np.concatenate([np.full((self.side // s) ** 2, s) for s in strides])[:, None]
-        self.cell = np.concatenate([np.stack(np.meshgrid(*2 * [np.arange(self.side // s)]), -1).reshape(-1, 2) for s in strides])
+        cells = sum((self.side // s) ** 2 for s in STRIDES)
+        if list(output.shape[1:]) != [cells, 5 + COCO_CLASSES]:
+            raise SystemExit(f"'{path}' is no YOLOX of COCO: its output is {output.shape}, not 1x{cells}x{5 + COCO_CLASSES}")
 
     def __call__(self, image):
         """@param image  BGR  @return [(COCO class, score, (left, top), (right, bottom))], px"""
@@ -50,10 +51,21 @@ class Detector:
         canvas = np.full((self.side, self.side, 3), 114, np.uint8)
         canvas[:small.shape[0], :small.shape[1]] = small
         found = self.session.run(None, {self.input.name: canvas.transpose(2, 0, 1)[None].astype(np.float32)})[0][0]
-        score = found[:, 4:5] * found[:, 5:]
-        centre, size = (found[:, :2] + self.cell) * self.stride / scale, np.exp(found[:, 2:4]) * self.stride / scale
-        return [(score[i].argmax(), score[i].max(), centre[i] - size[i] / 2, centre[i] + size[i] / 2)
-                for i in np.flatnonzero(score.max(axis=1) > SUSPECTED)]
+        return [(c, score, first / scale, last / scale) for c, score, first, last in decode(found, self.side)]
+
+
+def decode(found, side):
+    """Boxes of a YOLOX output (Ge et al. 2021): each cell of the three grids tells the offset of a centre from its corner and the
+    logarithms of width and height, all in strides; then how sure it is of an object, and of each class.
+
+    @param found  cells x (5 + classes)  @param side  of the input, px
+    @return as Detector, in px of the input"""
+    stride = np.concatenate([np.full((side // s) ** 2, s) for s in STRIDES])[:, None]
+    cell = np.concatenate([np.stack(np.meshgrid(*2 * [np.arange(side // s)]), -1).reshape(-1, 2) for s in STRIDES])
+    score = found[:, 4:5] * found[:, 5:]
+    centre, half = (found[:, :2] + cell) * stride, np.exp(found[:, 2:4]) * stride / 2
+    return [(score[i].argmax(), score[i].max(), centre[i] - half[i], centre[i] + half[i])
+            for i in np.flatnonzero(score.max(axis=1) > SUSPECTED)]
 
 
 def covered(boxes, shape, margin=0.0):
@@ -89,6 +101,8 @@ def main(argv=None):
     args = parser.parse_args(argv)
     detector = Detector(args.detector)
     kept, images = 0, sorted(glob.glob(os.path.join(args.folder, 'images', '*')))
+    if not images:
+        raise SystemExit(f"'{args.folder}/images' holds no images; label_images writes them beside labels/")
     for path in images:
         label_path = os.path.join(args.folder, 'labels', os.path.splitext(os.path.basename(path))[0] + '.png')
         image, label = cv2.imread(path), cv2.imread(label_path, cv2.IMREAD_GRAYSCALE)

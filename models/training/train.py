@@ -156,6 +156,8 @@ class Training:
         self.bfloat16 = args.precision == 'bfloat16' or (args.precision == 'auto' and computes_bfloat16(self.device))
         self.model = BiSeNetV2(len(NAMES), args.head, hints=hint.HINTS)
         self.model = self.model.to(self.device, memory_format=torch.channels_last)  # the faster layout nearly everywhere
+        if args.compile and not hasattr(torch, 'compile'):
+            raise SystemExit(f'--compile needs PyTorch 2; this is {torch.__version__}')
         self.compiled = torch.compile(self.model) if args.compile else self.model
         self.average = copy.deepcopy(self.model).eval()  # the weights' running mean infers better than the last ones
         self.optimiser = torch.optim.AdamW(self.model.parameters(), args.rate, weight_decay=5e-4)

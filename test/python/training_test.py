@@ -243,6 +243,20 @@ class SecondOpinion(unittest.TestCase):
         label = second_opinion.second_opinion(self.label, [self.box(0, 0.9, 30, 20, 70, 80), keyboard, kite])
         self.assertEqual((label[10, 10], label[10, 90]), (IGNORE, 0))
 
+    def test_decodes_the_detectors_boxes(self):
+        found = np.zeros((8 * 8 + 4 * 4 + 2 * 2, 85), np.float32)  # of an input of 64 px
+        found[8 * 8 + 4 * 1 + 2, :4] = 0.5, 0.25, np.log(2), np.log(1)  # cell (2, 1) of the grid of 16 px
+        found[8 * 8 + 4 * 1 + 2, [4, 5 + 63]] = 0.8, 0.5
+        (coco, score, first, last), = second_opinion.decode(found, 64)
+        self.assertEqual(coco, 63)
+        self.assertAlmostEqual(score, 0.4)
+        self.assertTrue(np.allclose([first, last], [[24, 12], [56, 28]]))
+
+    def test_says_that_a_folder_is_empty(self):
+        with tempfile.TemporaryDirectory() as folder, mock.patch.object(second_opinion, 'Detector'):
+            with self.assertRaisesRegex(SystemExit, 'holds no images'):
+                second_opinion.main(['yolox.onnx', folder])
+
     def test_drops_what_they_disagree_on(self):
         self.assertIsNone(second_opinion.second_opinion(self.label, []))
         self.assertIsNone(second_opinion.second_opinion(self.label, [self.box(0, 0.9, 30, 20, 70, 40)]))
@@ -334,10 +348,19 @@ class Training(unittest.TestCase):
             self.train(10, '--head', '64')
 
     def test_two_processes_learn_as_one(self):
-        """Each with half of the samples; none writes what the other does."""
+        """Each has samples of its own, so that their weights stay alike only if they share gradients; one writes the files."""
+        script = os.path.join(self.folder.name, 'run.py')
+        with open(script, 'w', encoding='utf-8') as out:
+            out.write(f'import sys; sys.path.insert(0, {os.path.dirname(train.__file__)!r})\n'
+                      'import torch, torch.distributed as d, train\n'
+                      'model = train.main().model\n'
+                      'least = torch.cat([p.detach().flatten() for p in model.parameters()])\n'
+                      'most = least.clone()\n'
+                      'd.all_reduce(least, d.ReduceOp.MIN); d.all_reduce(most, d.ReduceOp.MAX)\n'
+                      'assert torch.equal(least, most), "the processes\\\' weights differ"\n')
         arguments = ['--data', self.data, '--out', self.out, '--size', '96x64', '--steps', '10', '--batch', '2', '--head', '32',
                      '--workers', '0', '--evaluate-every', '5', '--threads', '1']
-        done = subprocess.run([sys.executable, '-m', 'torch.distributed.run', '--nproc_per_node', '2', train.__file__, *arguments],
+        done = subprocess.run([sys.executable, '-m', 'torch.distributed.run', '--nproc_per_node', '2', script, *arguments],
                               capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(len(self.losses()), 2)

@@ -261,6 +261,17 @@ double trimmedNeighbourMean(const cv::Mat1i& mask, int mask_id, const cv::Point&
   return count >= 3 ? (sum - smallest - largest) / (count - 2) : -1.0;
 }
 
+/// Lengths and areas in px of the grid.
+RefinementConfig onGrid(RefinementConfig config) {
+  validateConfig(config);
+  const int stride = config.stride_px;
+  if (stride > 1 && config.band_px > 0)
+    config.band_px = config.band_px / stride + 1;  // a border may lie that much inside
+  config.min_mask_px /= stride * stride;
+  config.min_thickness_px /= stride;
+  return config;
+}
+
 }  // namespace
 
 double neighbourDistance(const cv::Mat1i& mask, int mask_id, const int* pixels, std::size_t count,
@@ -289,14 +300,7 @@ struct DepthRefiner::Buffers {
 };
 
 DepthRefiner::DepthRefiner(const RefinementConfig& config)
-    : config_(config), on_grid_(config), buffers_(std::make_unique<Buffers>()) {
-  validateConfig(config_);
-  if (config_.stride_px > 1 && config_.band_px > 0) {
-    on_grid_.band_px = config_.band_px / config_.stride_px + 1;  // the grid's first pixel may lie that much inside
-  }
-  on_grid_.min_mask_px = config_.min_mask_px / (config_.stride_px * config_.stride_px);
-  on_grid_.min_thickness_px = config_.min_thickness_px / config_.stride_px;
-}
+    : config_(onGrid(config)), buffers_(std::make_unique<Buffers>()) {}
 DepthRefiner::~DepthRefiner() = default;
 DepthRefiner::DepthRefiner(DepthRefiner&&) noexcept = default;
 DepthRefiner& DepthRefiner::operator=(DepthRefiner&&) noexcept = default;
@@ -315,22 +319,22 @@ cv::Mat1b DepthRefiner::refine(const cv::Mat1b& labels, const LabelSet& label_se
   connectRegions(
       size, labelled, [label](int a, int b) { return label[a] == label[b]; }, masks);
   std::vector<GrownMask> grown = collectMasks(masks, labelled, grid, frame.camera->rays(), pixels, points_m);
-  for (int m = 0; m < masks.count; ++m) prepareGrowth(grown[m], masks, m, points_m, on_grid_);
+  for (int m = 0; m < masks.count; ++m) prepareGrowth(grown[m], masks, m, points_m, config_);
   // All growths at once: what a seed reaches is the piece it lies in.
   const Steps steps(masks, grown, points_m);
   connectRegions(
       size, labelled, [&steps](int a, int b) { return steps.joined(a, b); }, parts);
-  findBands(masks, labelled, grown, steps, grid.depth_m, on_grid_.band_px, bands, scratch);
+  findBands(masks, labelled, grown, steps, grid.depth_m, config_.band_px, bands, scratch);
 
   std::vector<Piece> pieces = describePieces(parts, masks, labelled, points_m, grid.labels, label_set);
   const std::vector<int> main = mainPieces(grown, pieces, parts);
-  keepSurfaces(pieces, main, grown, on_grid_);
-  keepEnclosed(pieces, main, grown, parts, bands, on_grid_);
+  keepSurfaces(pieces, main, grown, config_);
+  keepEnclosed(pieces, main, grown, parts, bands, config_);
 
   kept.create(size);
   kept.setTo(0);
   for (const GrownMask& mask : grown) {
-    if (static_cast<int>(mask.size_px) < on_grid_.min_mask_px) continue;
+    if (static_cast<int>(mask.size_px) < config_.min_mask_px) continue;
     for (std::size_t k = 0; k < mask.size_px; ++k) {
       const int i = mask.pixels[k];
       const bool keep = pieces[parts.id.ptr<int>()[i]].keep && bands.ptr<std::uint8_t>()[i] == 0;

@@ -110,7 +110,7 @@ TEST(RefineOnDepth, CutsAMaskThatIsTooLargeBackToTheObject) {
   EXPECT_EQ(differing(refine(labelled(grown(kObject, 3)), wallWith(kObject), asPublished()), labelled(kObject)), 0);
 }
 
-TEST(RefineOnDepth, IsAsSharpOnAGrid) {
+TEST(RefineOnDepth, KeepsNothingBehindAnEdgeOnAGrid) {
   const cv::Rect object(41, 21, 39, 59);  // begins and ends within blocks of the grid
   for (const int stride : {2, 3}) {
     const cv::Mat1b refined = refine(labelled(grown(object, 8)), wallWith(object), withStride(stride));

@@ -73,8 +73,8 @@ double neighbourDistance(const cv::Mat1i& mask, int mask_id, const int* pixels, 
 /// - where the object touches the floor, growth goes on over it and around the object: bands of background along the
 ///   mask's border are cut (band_px, mask_bands.h);
 /// - T holds at the samples' median depth and grows with depth beyond it, as the pixels' own spacing does;
-/// - growth visits every stride_px-th pixel of row and column; the pixels between stay with theirs unless a step of the
-///   depth parts the two, so that borders are as sharp as with all pixels;
+/// - growth visits the middle of every block of stride_px x stride_px; the others stay with theirs unless a step of the
+///   depth parts the two. Where a block's middle is not the object's, its other pixels go too: up to half a block;
 /// - holes of the depth, and specks of noise at about the object's depth, stay where most of the pixels around them
 ///   stay; a mask without any depth stays whole.
 class DepthRefiner {
@@ -90,9 +90,8 @@ class DepthRefiner {
   cv::Mat1b refine(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame);
 
  private:
-  struct Buffers;  // kept between frames: to fetch fresh memory takes as long as the work itself
-  RefinementConfig config_;
-  RefinementConfig on_grid_;  ///< lengths and areas in px of the grid
+  struct Buffers;            // kept between frames: to fetch fresh memory takes as long as the work itself
+  RefinementConfig config_;  ///< its lengths and areas are in px of the grid
   std::unique_ptr<Buffers> buffers_;
 };
 

@@ -4,6 +4,7 @@
 #include <semantic_vslam/MotionReport.h>
 #include <semantic_vslam/MotionThresholdsConfig.h>
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <mutex>
@@ -51,6 +52,7 @@ class MotionNodelet final : public StageNodelet {
 
   // Worker thread
   void step(const RgbdMessages& messages);
+  void startAnew(Stamp stamp);
   void takeChanges();
   void publish(const std_msgs::Header& header, const MotionResult& result, double cpu_ms);
   void describe(StageDiagnostics::Status& status);  // callback thread
@@ -136,6 +138,17 @@ void MotionNodelet::onLabels(const sensor_msgs::ImageConstPtr& message) {
   }
 }
 
+/// What waits for a frame after this one is of the recording before.
+void MotionNodelet::startAnew(Stamp stamp) {
+  NODELET_WARN("stamps went back: motion starts anew");
+  last_stamp_ = Stamp();
+  std::lock_guard<std::mutex> lock(mutex_);
+  new_labels_.erase(std::remove_if(new_labels_.begin(), new_labels_.end(),
+                                   [stamp](const auto& labels) { return labels.first > stamp; }),
+                    new_labels_.end());
+}
+
+/// Labels that are faster than their frame wait for it.
 void MotionNodelet::takeChanges() {
   std::optional<MotionConfig> new_config;
   std::vector<std::pair<Stamp, cv::Mat1b>> new_labels;
@@ -143,7 +156,10 @@ void MotionNodelet::takeChanges() {
   {
     std::lock_guard<std::mutex> lock(mutex_);
     new_config.swap(new_config_);
-    new_labels.swap(new_labels_);
+    const auto waiting = std::stable_partition(new_labels_.begin(), new_labels_.end(),
+                                               [this](const auto& labels) { return labels.first <= last_stamp_; });
+    new_labels.assign(new_labels_.begin(), waiting);
+    new_labels_.erase(new_labels_.begin(), waiting);
     label_set = label_set_;
   }
   if (new_config) detector_->setConfig(*new_config);
@@ -156,9 +172,9 @@ void MotionNodelet::step(const RgbdMessages& messages) {
   const StageDiagnostics::Step timer(*diagnostics_, fromRos(messages.rgb->header.stamp));
   const std::optional<RgbdFrame> frame = converter_->convert(messages);
   if (!frame) return;
-  if (frame->stamp < last_stamp_) NODELET_WARN("stamps went back: motion starts anew");
-  last_stamp_ = frame->stamp;
+  if (frame->stamp < last_stamp_) startAnew(frame->stamp);
   takeChanges();
+  last_stamp_ = frame->stamp;
   const MotionResult result = detector_->detect(*frame);
   publish(messages.rgb->header, result, timer.cpuMs());
 }
@@ -176,6 +192,7 @@ void MotionNodelet::publish(const std_msgs::Header& header, const MotionResult& 
   report->inliers = static_cast<std::uint32_t>(result.inliers);
   report->dynamic_share = static_cast<float>(result.dynamic_share);
   report->cpu_ms = static_cast<float>(cpu_ms);
+  if (result.labels) report->labels = toRos(*result.labels);
   report_publisher_.publish(report);
   std::lock_guard<std::mutex> lock(mutex_);
   newest_ = *report;

@@ -14,7 +14,11 @@ namespace semantic_vslam {
 MotionMaskInput::MotionMaskInput(ros::NodeHandle nh, const MotionMaskConfig& config) : config_(config) {
   mask_subscriber_ = nh.subscribe("motion/mask", 10, &MotionMaskInput::onMask, this);
   if (config_.init_wait_s > 0) {
-    labels_subscriber_ = nh.subscribe("segmentation/labels", 2, &MotionMaskInput::onLabels, this);
+    report_subscriber_ = nh.subscribe("motion/report", 10, &MotionMaskInput::onReport, this);
+    labels_subscriber_ = nh.subscribe<sensor_msgs::Image>("segmentation/labels", 2, [this](const auto&) {
+      std::lock_guard<std::mutex> lock(mutex_);
+      network_seen_ = true;
+    });
   }
 }
 
@@ -26,17 +30,17 @@ void MotionMaskInput::onMask(const sensor_msgs::ImageConstPtr& message) {
   }
 }
 
-/// The first labels are in the motion masks from the next mask on.
-void MotionMaskInput::onLabels(const sensor_msgs::ImageConstPtr&) {
+void MotionMaskInput::onReport(const MotionReportConstPtr& message) {
   std::lock_guard<std::mutex> lock(mutex_);
-  network_seen_ = true;
-  if (!labels_in_masks_after_) labels_in_masks_after_ = masks_.newest().value_or(Stamp{});
+  const bool labelled = !message->labels.isZero();
+  labelled_.add(fromRos(message->header.stamp),
+                labelled ? std::optional<Stamp>(fromRos(message->labels)) : std::nullopt);
 }
 
 bool MotionMaskInput::readyToStart(Stamp stamp) {
   if (config_.init_wait_s <= 0) return true;
   std::lock_guard<std::mutex> lock(mutex_);
-  if (labels_in_masks_after_ && stamp > *labels_in_masks_after_) return true;
+  if (labelled_.at(stamp)) return true;
   if (network_seen_ && labels_subscriber_.getNumPublishers() == 0) return true;  // it broke down
   const ros::SteadyTime now = ros::SteadyTime::now();
   if (!waiting_since_) waiting_since_ = now;
@@ -47,7 +51,7 @@ bool MotionMaskInput::readyToStart(Stamp stamp) {
 
 void MotionMaskInput::restart() {
   std::lock_guard<std::mutex> lock(mutex_);
-  labels_in_masks_after_.reset();
+  labelled_.restart();
   waiting_since_.reset();
 }
 
@@ -62,6 +66,7 @@ cv::Mat1b MotionMaskInput::maskOf(const std_msgs::Header& image, cv::Size size) 
 
 void MotionMaskInput::close() {
   mask_subscriber_.shutdown();
+  report_subscriber_.shutdown();
   labels_subscriber_.shutdown();
   masks_.close();
 }

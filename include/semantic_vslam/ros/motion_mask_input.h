@@ -4,6 +4,7 @@
 
 #include <ros/node_handle.h>
 #include <ros/subscriber.h>
+#include <semantic_vslam/MotionReport.h>
 #include <sensor_msgs/Image.h>
 #include <std_msgs/Header.h>
 
@@ -11,6 +12,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
+#include "semantic_vslam/ros/labelled_start.h"
 #include "semantic_vslam/ros/stamped_buffer.h"
 
 namespace semantic_vslam {
@@ -29,7 +31,7 @@ struct MotionMaskConfig {
 };
 
 /// The motion masks of frames, by stamp, and whether people of the first labels are in them yet. Subscribes to
-/// motion/mask and, where the start waits for labels, to segmentation/labels. Thread-safe.
+/// motion/mask and, where the start waits for labels, to motion/report and segmentation/labels. Thread-safe.
 class MotionMaskInput {
  public:
   MotionMaskInput(ros::NodeHandle nh, const MotionMaskConfig& config);
@@ -48,15 +50,16 @@ class MotionMaskInput {
 
  private:
   void onMask(const sensor_msgs::ImageConstPtr& message);
-  void onLabels(const sensor_msgs::ImageConstPtr& message);
+  void onReport(const MotionReportConstPtr& message);
 
   const MotionMaskConfig config_;
   StampedBuffer<cv::Mat1b> masks_{30};
   std::mutex mutex_;
-  bool network_seen_ = false;                            // guarded by mutex_
-  std::optional<Stamp> labels_in_masks_after_;           // guarded by mutex_; set by the first labels
-  std::optional<ros::SteadyTime> waiting_since_;         // guarded by mutex_
-  ros::Subscriber mask_subscriber_, labels_subscriber_;  // last: callbacks use the above
+  bool network_seen_ = false;                     // guarded by mutex_
+  LabelledStart labelled_;                        // guarded by mutex_
+  std::optional<ros::SteadyTime> waiting_since_;  // guarded by mutex_
+  // Last: callbacks use the above.
+  ros::Subscriber mask_subscriber_, report_subscriber_, labels_subscriber_;
 };
 
 }  // namespace semantic_vslam

@@ -106,16 +106,23 @@ float typicalDepth(const GrownMask& mask, const cv::Mat3f& points_m) {
   return depths.empty() ? points_m.ptr<cv::Vec3f>()[mask.seed][2] : medianOf(std::move(depths));
 }
 
+/// Finds the mask's seed, and how far growth steps from each of its pixels: T^2, more beyond the depth that T holds at,
+/// since pixels of a farther part lie farther apart.
 void prepareGrowth(GrownMask& mask, const ConnectedRegions& masks, int mask_id, const cv::Mat3f& points_m,
-                   const RefinementConfig& config) {
+                   const RefinementConfig& config, cv::Mat1f& reach_m2) {
   mask.seed = findSeed(mask, masks, mask_id, points_m);
   if (mask.seed < 0) return;
   Rng rng(static_cast<std::uint64_t>(config.seed));
   const double rho_m = neighbourDistance(masks.id, mask_id, mask.pixels, mask.size_px, points_m, config.samples,
                                          config.average == "median", rng);
   const double threshold_m = rho_m > 0.0 ? config.epsilon * rho_m : std::numeric_limits<double>::infinity();  // eq. (4)
-  mask.squared_threshold_m2 = static_cast<float>(threshold_m * threshold_m);
-  mask.inverse_reference_depth = 1.0F / typicalDepth(mask, points_m);
+  const auto least_m2 = static_cast<float>(threshold_m * threshold_m);
+  const float inverse_depth = 1.0F / typicalDepth(mask, points_m);
+  for (std::size_t k = 0; k < mask.size_px; ++k) {
+    const int i = mask.pixels[k];
+    const float farther = points_m.ptr<cv::Vec3f>()[i][2] * inverse_depth;
+    reach_m2.ptr<float>()[i] = least_m2 * std::max(1.0F, farther * farther);
+  }
 }
 
 /// A piece of a mask: one depth-continuous surface, or one hole.
@@ -234,10 +241,10 @@ cv::Mat1b spread(const cv::Mat1b& kept, const cv::Mat1b& labels, const cv::Mat1f
     const int first = v / stride * kept.cols;
     for (int cell = 0; cell < kept.cols; ++cell) {
       if (kept_label[cell] == 0) continue;
+      const std::uint8_t wanted = kept_label[cell];
+      const Level level = steps.levelOf(first + cell);
       const int end = std::min((cell + 1) * stride, labels.cols);
-      for (int u = cell * stride; u < end; ++u) {
-        if (label[u] == kept_label[cell] && steps.level(first + cell, z[u])) to[u] = label[u];
-      }
+      for (int u = cell * stride; u < end; ++u) to[u] = (label[u] == wanted) & level.holds(z[u]) ? wanted : 0;
     }
   }
   return refined;
@@ -296,6 +303,7 @@ struct DepthRefiner::Buffers {
   ConnectedRegions masks, parts;
   std::vector<int> pixels;  ///< the same, mask by mask
   cv::Mat3f points_m;
+  cv::Mat1f reach_m2;
   cv::Mat1b bands, scratch, kept;
 };
 
@@ -308,7 +316,7 @@ DepthRefiner& DepthRefiner::operator=(DepthRefiner&&) noexcept = default;
 cv::Mat1b DepthRefiner::refine(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame) {
   assert(labels.size() == frame.depth_m.size());
   if (!config_.enabled) return labels.clone();
-  auto& [grid, labelled, masks, parts, pixels, points_m, bands, scratch, kept] = *buffers_;
+  auto& [grid, labelled, masks, parts, pixels, points_m, reach_m2, bands, scratch, kept] = *buffers_;
   grid.stride = config_.stride_px;
   takeEvery(grid.stride, labels, grid.labels);
   takeEvery(grid.stride, frame.depth_m, grid.depth_m);
@@ -319,12 +327,14 @@ cv::Mat1b DepthRefiner::refine(const cv::Mat1b& labels, const LabelSet& label_se
   connectRegions(
       size, labelled, [label](int a, int b) { return label[a] == label[b]; }, masks);
   std::vector<GrownMask> grown = collectMasks(masks, labelled, grid, frame.camera->rays(), pixels, points_m);
-  for (int m = 0; m < masks.count; ++m) prepareGrowth(grown[m], masks, m, points_m, config_);
+  reach_m2.create(size);
+  reach_m2.setTo(0.0F);
+  for (int m = 0; m < masks.count; ++m) prepareGrowth(grown[m], masks, m, points_m, config_, reach_m2);
   // All growths at once: what a seed reaches is the piece it lies in.
-  const Steps steps(masks, grown, points_m);
+  const Steps steps(masks, points_m, reach_m2);
   connectRegions(
       size, labelled, [&steps](int a, int b) { return steps.joined(a, b); }, parts);
-  findBands(masks, labelled, grown, steps, grid.depth_m, config_.band_px, bands, scratch);
+  findBands(masks, labelled, steps, grid.depth_m, config_.band_px, bands, scratch);
 
   std::vector<Piece> pieces = describePieces(parts, masks, labelled, points_m, grid.labels, label_set);
   const std::vector<int> main = mainPieces(grown, pieces, parts);

@@ -36,9 +36,8 @@ void growthDistance(std::vector<int> front, const Steps& steps, int limit_px, cv
 
 /// Bands between a step, on whose far side they lie, and the mask's border: growth reaches them where the object
 /// touches what it stands on.
-void findHiddenBackground(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled,
-                          const std::vector<GrownMask>& prepared, const Steps& steps, int width_px, cv::Mat1b& bands,
-                          cv::Mat1b& scratch) {
+void findHiddenBackground(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled, const Steps& steps,
+                          int width_px, cv::Mat1b& bands, cv::Mat1b& scratch) {
   const int width = masks.id.cols, height = masks.id.rows;
   std::vector<int> border, hidden, last_in_column(width, -1);
   const auto compare = [&](int before, int now) {  // both have depth; holes between them are looked across
@@ -52,7 +51,6 @@ void findHiddenBackground(const ConnectedRegions& masks, const std::vector<cv::P
     const int i = p.y * width + p.x, mask = id[i];
     if (p.y != row) last_in_row = -1;
     row = p.y;
-    if (prepared[mask].seed < 0) continue;
     const bool on_border = (p.x > 0 && id[i - 1] != mask) || (p.x + 1 < width && id[i + 1] != mask) ||
                            (p.y > 0 && id[i - width] != mask) || (p.y + 1 < height && id[i + width] != mask);
     if (on_border) border.push_back(i);
@@ -151,10 +149,9 @@ void findContinuedBackground(const ConnectedRegions& masks, const std::vector<cv
 
 }  // namespace
 
-void findBands(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled,
-               const std::vector<GrownMask>& prepared, const Steps& steps, const cv::Mat1f& depth_m, int width_px,
-               cv::Mat1b& bands, cv::Mat1b& scratch) {
-  findHiddenBackground(masks, labelled, prepared, steps, width_px, bands, scratch);
+void findBands(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled, const Steps& steps,
+               const cv::Mat1f& depth_m, int width_px, cv::Mat1b& bands, cv::Mat1b& scratch) {
+  findHiddenBackground(masks, labelled, steps, width_px, bands, scratch);
   findContinuedBackground(masks, labelled, depth_m, width_px, bands);
 }
 

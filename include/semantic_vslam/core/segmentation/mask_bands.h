@@ -14,10 +14,9 @@ namespace semantic_vslam {
 /// object begins. Where that plane goes on beyond width_px, the mask is rather too small, and nothing is cut.
 /// @param masks     of labelled pixels; the others are background
 /// @param labelled  those pixels, in raster order
-/// @param prepared  one for each mask; @param steps  of the same masks
+/// @param steps     of the same masks
 /// @param bands     255 on such pixels, else 0; @param scratch  memory
-void findBands(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled,
-               const std::vector<GrownMask>& prepared, const Steps& steps, const cv::Mat1f& depth_m, int width_px,
-               cv::Mat1b& bands, cv::Mat1b& scratch);
+void findBands(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled, const Steps& steps,
+               const cv::Mat1f& depth_m, int width_px, cv::Mat1b& bands, cv::Mat1b& scratch);
 
 }  // namespace semantic_vslam

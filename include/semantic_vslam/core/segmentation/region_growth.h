@@ -22,14 +22,12 @@ struct MaskMoments {
   cv::Point2d centroid() const { return {m10 / m00, m01 / m00}; }
 };
 
-/// One connected mask: its pixels, where it is grown from and how far it may step.
+/// One connected mask: its pixels and where it is grown from.
 struct GrownMask {
   const int* pixels = nullptr;  ///< row * width + column, in raster order
   std::size_t size_px = 0;
   MaskMoments moments;
-  int seed = -1;                         ///< pixel; -1: the mask has no depth
-  float squared_threshold_m2 = 0.0F;     ///< T^2 of eq. (4) at the reference depth
-  float inverse_reference_depth = 0.0F;  ///< 1/m
+  int seed = -1;  ///< pixel; -1: the mask has no depth
 };
 
 inline float squaredDistance(const cv::Vec3f& a, const cv::Vec3f& b) {
@@ -37,11 +35,21 @@ inline float squaredDistance(const cv::Vec3f& a, const cv::Vec3f& b) {
   return dx * dx + dy * dy + dz * dz;
 }
 
+/// The depth of a pixel, and which depths next to it are level with it.
+struct Level {
+  float z_m = 0.0F, reach_m2 = 0.0F;
+
+  /// @return true also where one of the two has no depth
+  bool holds(float z) const { return (z == 0.0F) | (z_m == 0.0F) | ((z - z_m) * (z - z_m) < reach_m2); }
+};
+
 /// Whether growth steps from one pixel of a mask to a neighbouring one, and whether one stands clearly behind another.
 class Steps {
  public:
-  Steps(const ConnectedRegions& masks, const std::vector<GrownMask>& prepared, const cv::Mat3f& points_m)
-      : mask_of_(masks.id.ptr<int>()), prepared_(prepared), point_m_(points_m.ptr<cv::Vec3f>()) {}
+  /// @param points_m  of the masks' pixels; z = 0: hole
+  /// @param reach_m2  of the same: squared distance within which the next pixel of the mask belongs to it
+  Steps(const ConnectedRegions& masks, const cv::Mat3f& points_m, const cv::Mat1f& reach_m2)
+      : mask_of_(masks.id.ptr<int>()), point_m_(points_m.ptr<cv::Vec3f>()), reach_m2_(reach_m2.ptr<float>()) {}
 
   bool hasDepth(int i) const { return point_m_[i][2] > 0.0F; }
   bool sameMask(int a, int b) const { return mask_of_[a] == mask_of_[b]; }
@@ -50,34 +58,21 @@ class Steps {
   bool joined(int a, int b) const {
     if (!sameMask(a, b)) return false;
     if (!hasDepth(a) || !hasDepth(b)) return hasDepth(a) == hasDepth(b);
-    return isBelow(squaredDistance(point_m_[a], point_m_[b]), 1.0F, a, b);
+    return squaredDistance(point_m_[a], point_m_[b]) < std::min(reach_m2_[a], reach_m2_[b]);
   }
-  /// Whether a pixel of this depth next to pixel i is level with it, or one of the two has no depth.
-  bool level(int i, float z) const {
-    const float zi = point_m_[i][2];
-    return z == 0.0F || zi == 0.0F || isBelow((z - zi) * (z - zi), 1.0F, i, i);
-  }
+  Level levelOf(int i) const { return {point_m_[i][2], reach_m2_[i]}; }
   /// @return the one of two pixels with depth that another surface hides partly; -1 if there is no such step.
   int behind(int a, int b) const {
     constexpr float kClearSteps = 4.0F;  // several T: noise does not look like an edge
     const float za = point_m_[a][2], zb = point_m_[b][2];
-    if (isBelow((za - zb) * (za - zb), kClearSteps, a, b)) return -1;
+    if ((za - zb) * (za - zb) < kClearSteps * kClearSteps * std::min(reach_m2_[a], reach_m2_[b])) return -1;
     return za > zb ? a : b;
   }
 
  private:
-  /// Whether a distance is below T times `steps`. Pixels of a farther part lie farther apart: T grows with them.
-  bool isBelow(float squared_m2, float steps, int a, int b) const {
-    const GrownMask& mask = prepared_[mask_of_[a]];
-    const float least_m2 = steps * steps * mask.squared_threshold_m2;
-    if (squared_m2 < least_m2) return true;
-    const float farther = std::min(point_m_[a][2], point_m_[b][2]) * mask.inverse_reference_depth;
-    return squared_m2 < farther * farther * least_m2;
-  }
-
   const int* mask_of_;
-  const std::vector<GrownMask>& prepared_;
   const cv::Vec3f* point_m_;
+  const float* reach_m2_;
 };
 
 }  // namespace semantic_vslam

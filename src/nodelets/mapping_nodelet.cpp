@@ -12,6 +12,7 @@
 #include <mutex>
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -66,6 +67,7 @@ class MappingNodelet final : public StageNodelet {
   void advertiseServices(ros::NodeHandle private_nh);
   void subscribe(ros::NodeHandle nh);
   void report(StageDiagnostics::Status& status);
+  bool isOfNewestMap(std::uint32_t map_id);
   void onKeyframe(const KeyframeStampedConstPtr& message);
   void onKeyframePoses(const KeyframePoseArrayConstPtr& message);
   void onLabelInfo(const LabelInfoConstPtr& message);
@@ -94,6 +96,7 @@ class MappingNodelet final : public StageNodelet {
   std::mutex mutex_;
   KeyframePoseArrayConstPtr new_poses_;    // guarded by mutex_
   std::optional<LabelSet> new_label_set_;  // guarded by mutex_
+  std::set<std::uint32_t> left_maps_;      // guarded by mutex_
   std::atomic<bool> publication_due_{false};
   std::atomic<double> publication_s_{0.0};  // what the last one took
   std::atomic<std::uint32_t> newest_map_id_{0};
@@ -187,15 +190,24 @@ void MappingNodelet::wakeWorker() {
   if (worker_->waiting() == 0) worker_->push([] {});
 }
 
+/// Keyframes and poses come on topics of their own, in no order: what still comes of a map that was left is not the
+/// newest.
+bool MappingNodelet::isOfNewestMap(std::uint32_t map_id) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (left_maps_.count(map_id) > 0) return false;
+  if (map_id != newest_map_id_) left_maps_.insert(newest_map_id_.exchange(map_id));
+  return true;
+}
+
 void MappingNodelet::onKeyframe(const KeyframeStampedConstPtr& message) {
+  if (!isOfNewestMap(message->map_id)) return;
   // The images are taken now: while the worker waits for labels, newer ones push them out.
-  newest_map_id_ = message->map_id;
   worker_->push(
       [this, message, images = inputs_->imagesNow(fromRos(message->header.stamp))] { integrate(*message, images); });
 }
 
 void MappingNodelet::onKeyframePoses(const KeyframePoseArrayConstPtr& message) {
-  newest_map_id_ = message->map_id;
+  if (!isOfNewestMap(message->map_id)) return;
   {
     std::lock_guard<std::mutex> lock(mutex_);
     new_poses_ = message;
@@ -243,7 +255,7 @@ void MappingNodelet::takeChanges() {
     if (mapper_->keyframes() > 0) NODELET_WARN("the classes changed: the dense map starts anew");
     startMap(map_id_);
   }
-  if (poses) {
+  if (poses && poses->map_id == newest_map_id_) {
     if (poses->map_id != map_id_) startMap(poses->map_id);
     poses_ = fromRos(*poses);
     placeWaiting(poses_);

@@ -26,6 +26,8 @@
 
 namespace semantic_vslam {
 
+constexpr std::size_t kMostWaiting = 10;  // label images; older ones would come too late in any case
+
 struct MotionNodeletConfig {
   double budget_ms = 33.0;
   RgbdInputConfig input;
@@ -64,7 +66,7 @@ class MotionNodelet final : public StageNodelet {
   std::mutex mutex_;
   std::optional<MotionConfig> new_config_;               // guarded by mutex_
   std::vector<std::pair<Stamp, cv::Mat1b>> new_labels_;  // guarded by mutex_
-  LabelSet label_set_;                                   // guarded by mutex_
+  std::optional<LabelSet> label_set_;                    // guarded by mutex_; labels wait for it
   MotionReport newest_;                                  // guarded by mutex_
   std::atomic<std::size_t> labels_taken_{0}, labels_late_{0};
 
@@ -133,6 +135,7 @@ void MotionNodelet::onLabels(const sensor_msgs::ImageConstPtr& message) {
   try {
     std::lock_guard<std::mutex> lock(mutex_);
     new_labels_.emplace_back(fromRos(message->header.stamp), maskFromRos(message));
+    if (new_labels_.size() > kMostWaiting) new_labels_.erase(new_labels_.begin());
   } catch (const Error& error) {
     NODELET_ERROR_THROTTLE(5.0, "labels refused: %s", error.what());
   }
@@ -148,7 +151,7 @@ void MotionNodelet::startAnew(Stamp stamp) {
                     new_labels_.end());
 }
 
-/// Labels that are faster than their frame wait for it.
+/// Labels that are faster than their frame, or than the first list of classes, wait for it.
 void MotionNodelet::takeChanges() {
   std::optional<MotionConfig> new_config;
   std::vector<std::pair<Stamp, cv::Mat1b>> new_labels;
@@ -156,11 +159,13 @@ void MotionNodelet::takeChanges() {
   {
     std::lock_guard<std::mutex> lock(mutex_);
     new_config.swap(new_config_);
-    const auto waiting = std::stable_partition(new_labels_.begin(), new_labels_.end(),
-                                               [this](const auto& labels) { return labels.first <= last_stamp_; });
-    new_labels.assign(new_labels_.begin(), waiting);
-    new_labels_.erase(new_labels_.begin(), waiting);
-    label_set = label_set_;
+    if (label_set_) {
+      label_set = *label_set_;
+      const auto waiting = std::stable_partition(new_labels_.begin(), new_labels_.end(),
+                                                 [this](const auto& labels) { return labels.first <= last_stamp_; });
+      new_labels.assign(new_labels_.begin(), waiting);
+      new_labels_.erase(new_labels_.begin(), waiting);
+    }
   }
   if (new_config) detector_->setConfig(*new_config);
   for (const auto& [stamp, labels] : new_labels) {
@@ -180,10 +185,6 @@ void MotionNodelet::step(const RgbdMessages& messages) {
 }
 
 void MotionNodelet::publish(const std_msgs::Header& header, const MotionResult& result, double cpu_ms) {
-  mask_publisher_.publish(toRos(header, "mono8", result.dynamic));
-  if (flow_publisher_.getNumSubscribers() > 0 && !result.flow_px.empty()) {
-    flow_publisher_.publish(toRos(header, "bgr8", flowPicture(result.flow_px)));
-  }
   auto report = boost::make_shared<MotionReport>();
   report->header = header;
   report->model = result.model == MotionModel::kRigidFlow    ? MotionReport::MODEL_RIGID_FLOW
@@ -193,7 +194,11 @@ void MotionNodelet::publish(const std_msgs::Header& header, const MotionResult& 
   report->dynamic_share = static_cast<float>(result.dynamic_share);
   report->cpu_ms = static_cast<float>(cpu_ms);
   if (result.labels) report->labels = toRos(*result.labels);
-  report_publisher_.publish(report);
+  report_publisher_.publish(report);  // first: who gets the mask knows by then whose labels are in it
+  mask_publisher_.publish(toRos(header, "mono8", result.dynamic));
+  if (flow_publisher_.getNumSubscribers() > 0 && !result.flow_px.empty()) {
+    flow_publisher_.publish(toRos(header, "bgr8", flowPicture(result.flow_px)));
+  }
   std::lock_guard<std::mutex> lock(mutex_);
   newest_ = *report;
 }

@@ -24,6 +24,9 @@
 
 namespace semantic_vslam {
 
+// A driver's clock or the network may put frames out of order by less than this.
+constexpr double kLongestDisorderS = 5.0;
+
 struct TrackingNodeletConfig {
   double budget_ms = 33.0;
   double path_period_s = 0.5;
@@ -62,6 +65,7 @@ class TrackingNodelet final : public StageNodelet {
   void dropMap();
 
   // Worker thread
+  double clockBackS() const;
   bool takesOlder(Stamp stamp);
   void step(const RgbdMessages& messages);
 
@@ -119,15 +123,14 @@ void TrackingNodelet::advertiseServices(ros::NodeHandle private_nh) {
     return std::string("map and trajectory are dropped");
   });
   services_.addTrigger(private_nh, "save_map", [this] {
-    const std::size_t keyframes = slam_->keyframeCount();
-    if (keyframes == 0) throw Error("there is no map to save yet; " + config_.map_file + " is not touched");
-    slam_->saveMap(config_.map_file);
+    const std::size_t keyframes = slam_->saveMap(config_.map_file);
     return "map of " + std::to_string(keyframes) + " keyframes saved in " + config_.map_file;
   });
   services_.addTrigger(private_nh, "load_map", [this] {
     SavedMap saved = slam_->readMap(config_.map_file);  // takes long: tracking goes on
     std::lock_guard<std::mutex> lock(step_mutex_);
     slam_->loadMap(std::move(saved));
+    state_ = TrackingState::kLost;  // no longer initialising: the camera is looked for in the map
     publisher_->startMap(TrackingPublisher::Anchor::kKeep);
     return "map loaded from " + config_.map_file;
   });
@@ -174,19 +177,24 @@ void TrackingNodelet::dropMap() {
   state_ = TrackingState::kInitialising;
 }
 
-/// A recording that is played again begins a new map. The map of a living camera stays, whatever its driver or the
-/// clock do: drivers step back by some seconds (librealsense's global time where the device's counter wraps, every 72
-/// minutes), and a clock that is set may do so by any time.
+/// @return by how much a simulated clock has gone back since the last frame, s
+double TrackingNodelet::clockBackS() const {
+  return ros::Time::isSimTime() ? (last_clock_ - ros::Time::now()).toSec() : 0.0;
+}
+
+/// A recording that is played again begins a new map, unless the map is one to localise in. The map of a living camera
+/// stays, whatever its driver or the clock do: drivers step back by some seconds (librealsense's global time where the
+/// device's counter wraps, every 72 minutes), and a clock that is set may do so by any time.
 /// @return whether the frame is to be tracked though it is not newer than the one before
 bool TrackingNodelet::takesOlder(Stamp stamp) {
-  constexpr double kLongestDisorderS = 5.0;
   const double back_s = secondsBetween(stamp, last_stamp_);
-  if (ros::Time::isSimTime() && ros::Time::now() < last_clock_) {
+  const bool played_again = clockBackS() > 0.0;
+  if (played_again && !slam_->localizationOnly()) {
     NODELET_WARN("the clock went back, as when a recording is played again: map and trajectory are dropped");
     dropMap();
     return true;
   }
-  if (back_s <= kLongestDisorderS) {
+  if (!played_again && back_s <= kLongestDisorderS) {
     NODELET_WARN_THROTTLE(1.0, "stamps went back by %.3f s: frames are passed over until newer ones come", back_s);
     return false;
   }
@@ -201,16 +209,13 @@ void TrackingNodelet::step(const RgbdMessages& messages) {
   if (paused_) return;
   const std_msgs::Header& image = messages.rgb->header;
   const Stamp stamp = fromRos(image.stamp);
-  if (stamp <= last_stamp_ && !takesOlder(stamp)) {
+  // A recording's first frames may come before its clock.
+  if ((stamp <= last_stamp_ || clockBackS() > kLongestDisorderS) && !takesOlder(stamp)) {
     ++out_of_order_;
     return;
   }
   last_stamp_ = stamp;
   last_clock_ = ros::Time::now();
-  if (state_ == TrackingState::kInitialising && !masks_->readyToStart(stamp)) {
-    ++waited_for_labels_;
-    return;
-  }
   const std::optional<RgbdFrame> frame = converter_->convert(messages);
   if (!frame) return;
   const cv::Mat1b mask = masks_->maskOf(image, frame->gray.size());
@@ -223,6 +228,10 @@ void TrackingNodelet::step(const RgbdMessages& messages) {
   if (!body) return;  // counted; the next frame may know
 
   std::lock_guard<std::mutex> lock(step_mutex_);
+  if (state_ == TrackingState::kInitialising && !masks_->readyToStart(stamp, !mask.empty())) {
+    ++waited_for_labels_;
+    return;
+  }
   const StageDiagnostics::Step timer(*diagnostics_, stamp);
   const SparseStep result = slam_->step(*frame, mask, times_);
   if (result.new_world) publisher_->startMap(TrackingPublisher::Anchor::kAtNextFrame);

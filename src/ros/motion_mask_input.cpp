@@ -37,10 +37,10 @@ void MotionMaskInput::onReport(const MotionReportConstPtr& message) {
                 labelled ? std::optional<Stamp>(fromRos(message->labels)) : std::nullopt);
 }
 
-bool MotionMaskInput::readyToStart(Stamp stamp) {
+bool MotionMaskInput::readyToStart(Stamp stamp, bool has_mask) {
   if (config_.init_wait_s <= 0) return true;
   std::lock_guard<std::mutex> lock(mutex_);
-  if (labelled_.at(stamp)) return true;
+  if (has_mask && labelled_.at(stamp)) return true;
   if (network_seen_ && labels_subscriber_.getNumPublishers() == 0) return true;  // it broke down
   const ros::SteadyTime now = ros::SteadyTime::now();
   if (!waiting_since_) waiting_since_ = now;

@@ -160,7 +160,7 @@ class FaultsTest(unittest.TestCase):
             node.wait_for_line("WARN", "/rgb/image_rect_color", "/depth_registered/image_rect", "/front/info")
 
     def test_missing_camera_info_alone_is_named(self):
-        with Camera(focal_px=None), Node("motion_node", "__name:=i", "_input/silent_after_s:=1.0") as node:
+        with Camera(focal_px=None), Node("motion_node", "__name:=i", "_input/silent_after_s:=3.0") as node:
             node.wait_for_line("WARN", "/rgb/camera_info")
             self.assertEqual(node.lines_with("no message yet on", "/rgb/image_rect_color"), [])
 

@@ -57,7 +57,7 @@ class NetworkTest(RunningSystem):
 
     def test_every_start_is_labelled(self):
         self.label_the_start()
-        wait_until(lambda: "mapping/semantic_cloud" in self.seen.newest, 30, "a semantic cloud")
+        self.seen.wait_for_cloud(1)
         self.assertNotEqual(self.status["segmentation"].level, DiagnosticStatus.ERROR)
         self.assertEqual([entry.name for entry in self.label_info[-1].classes], ["background", "bright"])
         self.assertEqual({image.encoding for image in self.labels}, {"mono8"})
@@ -78,8 +78,7 @@ class BrokenNetworkTest(RunningSystem):
         self.assertIn("network failed", self.status["segmentation"].message)
         play(rendered_bag())
         self.wait_for_tracking()
-        wait_until(lambda: "mapping/semantic_cloud" in self.seen.newest, 30, "a semantic cloud")
-        self.assertGreater(self.seen.newest["mapping/semantic_cloud"].width, 2000)
+        self.seen.wait_for_cloud(2000)
         self.assertEqual(self.labels, [])
 
 

@@ -46,6 +46,18 @@ TEST(StampedBuffer, WaitEndsWhenANewerValueShowsThatThisOneWillNotCome) {
   EXPECT_FALSE(waiting.get());
 }
 
+// A keyframe is named after a frame that follows it has been labelled for want of keyframes.
+TEST(StampedBuffer, WaitGoesOnPastNewerValuesOfAStreamInDisorder) {
+  StampedBuffer<int> buffer(3, 1.0);
+  const Stamp stamp = Stamp::fromSeconds(10.0);
+  buffer.put(Stamp::fromSeconds(10.5), 105);
+  auto waiting = std::async(std::launch::async, [&] { return buffer.waitFor(stamp, milliseconds(600000)); });
+  EXPECT_EQ(waiting.wait_for(milliseconds(50)), std::future_status::timeout);
+  buffer.put(stamp, 100);
+  EXPECT_EQ(waiting.get(), 100);
+  EXPECT_FALSE(buffer.waitFor(Stamp::fromSeconds(9.5), milliseconds(600000)));
+}
+
 TEST(StampedBuffer, WaitEndsAfterItsBudget) {
   StampedBuffer<int> buffer(3);
   buffer.put(Stamp{4}, 40);

@@ -36,8 +36,9 @@ class MotionMaskInput {
  public:
   MotionMaskInput(ros::NodeHandle nh, const MotionMaskConfig& config);
 
-  /// @return whether the people of the first frames are known, or need not be waited for any longer.
-  bool readyToStart(Stamp stamp);
+  /// @param has_mask  whether the frame has a motion mask
+  /// @return whether the people in a frame are known, or need not be waited for any longer.
+  bool readyToStart(Stamp stamp, bool has_mask);
   /// Tracking dropped its map: the start waits for labels again.
   void restart();
   /// Waits for the mask of a frame, at most the time in the configuration, and not at all if nobody makes masks.

@@ -35,11 +35,13 @@ class StampedBuffer {
     return findLocked(stamp);
   }
 
-  /// Waits until the value of this stamp is there. Gives up after the budget, at once if a newer value has come (its
-  /// source skipped this one), and when closed.
+  /// Waits until the value of this stamp is there. Gives up after the budget, at once if a value has come that is newer
+  /// by the disorder or more (its source skipped this one), and when closed.
   std::optional<T> waitFor(Stamp stamp, std::chrono::milliseconds budget) const {
     std::unique_lock<std::mutex> lock(mutex_);
-    changed_.wait_for(lock, budget, [&] { return closed_ || (!values_.empty() && stamp <= values_.rbegin()->first); });
+    const auto skipped = [&] { return secondsBetween(stamp, values_.rbegin()->first) >= disorder_s_; };
+    changed_.wait_for(lock, budget,
+                      [&] { return closed_ || (!values_.empty() && (values_.count(stamp) > 0 || skipped())); });
     return findLocked(stamp);
   }
 

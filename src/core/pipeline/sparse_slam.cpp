@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
 #include "semantic_vslam/core/common/thread_priority.h"
 #include "semantic_vslam/core/io/map_file.h"
@@ -261,13 +262,15 @@ void SparseSlam::startTimeAnew() {
   }
 }
 
-void SparseSlam::saveMap(const std::string& path) const {
+std::size_t SparseSlam::saveMap(const std::string& path) const {
   // Written from a copy: a slow disk must not hold up tracking.
   const Map map = [this] {
     std::lock_guard<std::mutex> lock(shared_.mutex);
     return shared_.map;
   }();
+  if (map.keyframes().empty()) throw Error("there is no map to save yet; " + path + " is not touched");
   semantic_vslam::saveMap(path, map);
+  return map.keyframes().size();
 }
 
 SavedMap SparseSlam::readMap(const std::string& path) const {

@@ -71,9 +71,11 @@ class SparseSlam {
   void startTimeAnew();
   /// In localisation-only mode the map is read, never changed, nor is one begun.
   void setLocalizationOnly(bool on) { localization_only_ = on; }
+  bool localizationOnly() const { return localization_only_; }
 
-  /// Writes the sparse map, whole or not at all. @throws FileError
-  void saveMap(const std::string& path) const;
+  /// Writes the sparse map, whole or not at all.
+  /// @return number of its keyframes  @throws Error if it has none: the file stays as it is  @throws FileError
+  std::size_t saveMap(const std::string& path) const;
   /// Reads a saved map; the present one is not touched. @throws FileError
   SavedMap readMap(const std::string& path) const;
   /// Takes a saved map in the place of the present one; frames find their place in it by relocalisation.

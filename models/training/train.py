@@ -8,7 +8,8 @@ usage: train.py --data DIR[:WEIGHT] ... --out DIR [--steps 20000 | --minutes 60]
 Of every folder a fifth is held back (by a hash of the image names) and scored now and then. OUT gets last.pt (all that is
 needed to go on), best.pt (best mean IoU so far), log.csv and curve.png. Runs on a GPU where PyTorch finds one, and computes
 in bfloat16 where the processor is faster with it. `torchrun --nproc-per-node 2 train.py ...` takes as many processes, each with
-a batch of its own: on a processor that is faster than as many threads.
+batches and steps of its own, and their weights are averaged every few steps (Stich, "Local SGD Converges Fast and
+Communicates Little", ICLR 2019). On a processor that is faster than as many threads.
 """
 import argparse
 import copy
@@ -35,7 +36,8 @@ LOG_FIELDS = ('step', 'loss', 'mean_iou', 'person_iou')
 LOSS_STRIDE = 2      # px of the label image per pixel of the loss: at full size it costs as much as the network
 BOOSTER_STRIDE = 4
 HINT_WEIGHT = 1.0
-CLASS_WEIGHTS = [0.7 if name == 'background' else 1.5 if name == 'person' else 2.0 for name in NAMES]  # the rarer, the more
+CLASS_WEIGHTS = [1.0 if name in ('background', 'person') else 1.5 for name in NAMES]  # the rarer, the more
+SHARE_EVERY = 5      # steps between averages of the processes' weights
 SCORED_IMAGES = 40   # of a folder's held-back fold while training; evaluate.py takes all
 
 
@@ -162,6 +164,7 @@ class Training:
         self.average = copy.deepcopy(self.model).eval()  # the weights' running mean infers better than the last ones
         self.optimiser = torch.optim.AdamW(self.model.parameters(), args.rate, weight_decay=5e-4)
         self.step, self.best, self.seconds = 0, -1.0, 0.0
+        self.unshared_seconds = 0.0
         os.makedirs(args.out, exist_ok=True)
         self.last = os.path.join(args.out, 'last.pt')
         self.log = os.path.join(args.out, 'log.csv')
@@ -205,20 +208,25 @@ class Training:
             loss = total_loss(self.compiled, images, labels, hints)
         self.optimiser.zero_grad(set_to_none=True)
         loss.backward()
-        if processes() > 1:
-            self._share_gradients()
         torch.nn.utils.clip_grad_norm_(self.model.parameters(), 5.0)
         self.optimiser.step()
         self.step += 1
         self._update_average()
-        self.seconds += mean_of_processes(torch.tensor(time.monotonic() - start, device=self.device)).item()
+        self.unshared_seconds += time.monotonic() - start
+        if self.step % SHARE_EVERY == 0:
+            self._share()
         return loss.item()
 
-    def _share_gradients(self):
-        gradients = [p.grad for p in self.model.parameters() if p.grad is not None]
-        means = mean_of_processes(torch.cat([g.flatten() for g in gradients]))
-        for gradient, mean in zip(gradients, means.split([g.numel() for g in gradients])):
-            gradient.copy_(mean.view_as(gradient))
+    def _share(self):
+        """The time too, so that all processes end at the same step."""
+        self.seconds += mean_of_processes(torch.tensor(self.unshared_seconds, device=self.device)).item()
+        self.unshared_seconds = 0.0
+        if processes() == 1:
+            return
+        shared = [t for t in self.model.state_dict().values() if t.dtype.is_floating_point]
+        means = mean_of_processes(torch.cat([t.flatten() for t in shared]))
+        for tensor, mean in zip(shared, means.split([t.numel() for t in shared])):
+            tensor.copy_(mean.view_as(tensor))
 
     def _update_average(self):
         keep = min(0.998, self.step / (self.step + 20))

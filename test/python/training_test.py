@@ -348,7 +348,7 @@ class Training(unittest.TestCase):
             self.train(10, '--head', '64')
 
     def test_two_processes_learn_as_one(self):
-        """Each has samples of its own, so that their weights stay alike only if they share gradients; one writes the files."""
+        """Each has samples of its own, so that their weights are alike only if they share them; one writes the files."""
         script = os.path.join(self.folder.name, 'run.py')
         with open(script, 'w', encoding='utf-8') as out:
             out.write(f'import sys; sys.path.insert(0, {os.path.dirname(train.__file__)!r})\n'

@@ -159,7 +159,7 @@ void MotionNodelet::takeChanges() {
   {
     std::lock_guard<std::mutex> lock(mutex_);
     new_config.swap(new_config_);
-    if (label_set_) {
+    if (label_set_ && !new_labels_.empty()) {
       label_set = *label_set_;
       const auto waiting = std::stable_partition(new_labels_.begin(), new_labels_.end(),
                                                  [this](const auto& labels) { return labels.first <= last_stamp_; });

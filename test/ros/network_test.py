@@ -7,7 +7,7 @@ import unittest
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from semantic_vslam.msg import LabelInfo, TrackingReport
+from semantic_vslam.msg import LabelInfo
 from sensor_msgs.msg import Image
 from slam_test import Listener, play, rendered_bag, wait_until
 from std_srvs.srv import Trigger
@@ -32,9 +32,6 @@ class RunningSystem(unittest.TestCase):
         for status in message.status:
             cls.status[status.name.split()[-1]] = status
 
-    def wait_for_tracking(self):
-        wait_until(lambda: self.seen.states and self.seen.states[-1].state == TrackingReport.OK, 20, "tracking")
-
     def wait_for_new_map(self, map_id):
         wait_until(lambda: self.seen.newest["tracking/keyframe_poses"].map_id != map_id, 20, "a new map")
         wait_until(lambda: self.seen.newest["tracking/keyframe_poses"].keyframes, 20, "keyframes of the new map")
@@ -50,7 +47,7 @@ class NetworkTest(RunningSystem):
         self.seen.keyframes.clear()
         self.seen.states.clear()
         play(rendered_bag(), "--duration", "2", *options)  # 8 s, less than init_wait_s
-        self.wait_for_tracking()
+        self.seen.wait_for_tracking()
         named = {keyframe.header.stamp for keyframe in self.seen.keyframes}
         self.assertTrue([image for image in self.labels if image.header.stamp not in named],
                         "no image was labelled before the first keyframe was named")
@@ -77,7 +74,7 @@ class BrokenNetworkTest(RunningSystem):
         self.assertEqual(self.status["segmentation"].level, DiagnosticStatus.ERROR)
         self.assertIn("network failed", self.status["segmentation"].message)
         play(rendered_bag())
-        self.wait_for_tracking()
+        self.seen.wait_for_tracking()
         self.seen.wait_for_cloud(2000)
         self.assertEqual(self.labels, [])
 

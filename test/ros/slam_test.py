@@ -131,6 +131,9 @@ class Listener:
         wait_until(lambda: "mapping/semantic_cloud" in self.newest and
                    self.newest["mapping/semantic_cloud"].width >= least_points, 30, "a semantic cloud")
 
+    def wait_for_tracking(self):
+        wait_until(lambda: self.states and self.states[-1].state == TrackingReport.OK, 20, "tracking")
+
     def on_pose(self, message):
         pose = message.pose.pose
         self.poses[message.header.stamp.to_nsec()] = matrix(pose.position, pose.orientation)
@@ -357,7 +360,7 @@ class SlamTest(unittest.TestCase):
         self.seen.states.clear()
         play(self.recording.path, "--duration", "2")
         wait_until(lambda: self.seen.newest["tracking/keyframe_poses"].map_id != map_id, 20, "a new map")
-        self.wait_for_tracking()
+        self.seen.wait_for_tracking()
 
     def check_reset(self):
         map_id = self.seen.newest["tracking/keyframe_poses"].map_id
@@ -366,10 +369,7 @@ class SlamTest(unittest.TestCase):
         self.seen.states.clear()
         play(self.recording.path, "--start", "2", "--duration", "1")
         wait_until(lambda: self.seen.newest["tracking/keyframe_poses"].map_id != map_id, 20, "a new map after reset")
-        self.wait_for_tracking()
-
-    def wait_for_tracking(self):
-        wait_until(lambda: self.seen.states and self.seen.states[-1].state == TrackingReport.OK, 20, "tracking")
+        self.seen.wait_for_tracking()
 
     def check_loading(self):
         """The camera finds itself in the saved map, which stays as it is."""
@@ -379,10 +379,10 @@ class SlamTest(unittest.TestCase):
         self.seen.states.clear()
         self.seen.keyframes.clear()
         play(self.recording.path, "--start", "3")
-        self.wait_for_tracking()
+        self.seen.wait_for_tracking()
         self.seen.states.clear()
         play(self.recording.path, "--duration", "2")  # the clock goes back: the map that was loaded stays all the same
-        self.wait_for_tracking()
+        self.seen.wait_for_tracking()
         self.assertEqual(self.seen.keyframes, [])
         self.assertEqual(len({state.keyframes for state in self.seen.states}), 1)
         self.assertGreater(len(self.seen.newest["tracking/keyframe_poses"].keyframes), 1)

@@ -38,23 +38,28 @@ def crop(image, label, size, rng):
 
 def photometric(image, rng):
     """Light, contrast, white balance, saturation, gamma, blur, noise and JPEG, as cheap cameras give them."""
-    levels = np.linspace(0, 1, 256, dtype=np.float32)[:, None] ** np.exp(rng.uniform(-0.4, 0.4))
-    x = cv2.LUT(image, (levels * np.exp(rng.uniform(-0.15, 0.15, 3)))[None].astype(np.float32))
-    saturation, contrast = rng.uniform(0.4, 1.4), rng.uniform(0.7, 1.3)
-    mix = contrast * (saturation * np.eye(3) + (1 - saturation) / 3)  # saturation about each pixel's grey,
-    lift = (1 - contrast) * np.mean(cv2.mean(x)[:3]) + rng.uniform(-0.12, 0.12)  # contrast about the image's
-    x = cv2.transform(x, np.hstack((mix, np.full((3, 1), lift))))
+    x = relight(image, rng)
     if rng.random() < 0.3:
         x = cv2.GaussianBlur(x, (0, 0), rng.uniform(0.4, 1.6))
     if rng.random() < 0.15:
         x = _motion_blur(x, rng)
     if rng.random() < 0.5:
         x += rng.uniform(0.005, 0.04) * rng.standard_normal(x.shape, np.float32)
-    image = np.clip(x * 255, 0, 255).astype(np.uint8)
+    image = cv2.convertScaleAbs(np.maximum(x, 0, out=x), alpha=255)
     if rng.random() < 0.3:
         _, data = cv2.imencode('.jpg', image, [cv2.IMWRITE_JPEG_QUALITY, int(rng.integers(30, 95))])
         image = cv2.imdecode(data, cv2.IMREAD_COLOR)
     return image
+
+
+def relight(image, rng):
+    """Light, contrast, white balance, saturation and gamma. @return float32, 0 to 1 and a little beyond"""
+    levels = np.linspace(0, 1, 256, dtype=np.float32)[:, None] ** np.exp(rng.uniform(-0.4, 0.4))
+    x = cv2.LUT(image, (levels * np.exp(rng.uniform(-0.15, 0.15, 3)))[None].astype(np.float32))
+    saturation, contrast = rng.uniform(0.4, 1.4), rng.uniform(0.7, 1.3)
+    mix = contrast * (saturation * np.eye(3) + (1 - saturation) / 3)  # saturation about each pixel's grey,
+    lift = (1 - contrast) * np.mean(cv2.mean(x)[:3]) + rng.uniform(-0.12, 0.12)  # contrast about the image's
+    return cv2.transform(x, np.hstack((mix, np.full((3, 1), lift))))
 
 
 def _motion_blur(x, rng):
@@ -77,7 +82,7 @@ class Cutouts:
             for index in np.random.default_rng(len(source)).permutation(len(source)):
                 if not any(room.values()):
                     break
-                self._collect(*source.load(index), source.hints(index), room)
+                self._collect(*source.load(index), room)
         self.by_class = {c: cutouts for c, cutouts in self.by_class.items() if cutouts}
 
     def _collect(self, image, label, hints, room):
@@ -115,9 +120,9 @@ class Cutout:
         size = (label.shape[1], label.shape[0])
         warp = self._transformation(size, rng)
         alpha = cv2.warpAffine(self.mask.astype(np.float32), warp, size)
-        patch = photometric(cv2.warpAffine(self.patch, warp, size, borderMode=cv2.BORDER_REFLECT_101), rng)
+        patch = relight(cv2.warpAffine(self.patch, warp, size, borderMode=cv2.BORDER_REFLECT_101), rng) * np.float32(255)
         soft = cv2.GaussianBlur(alpha, (0, 0), rng.uniform(0.5, 1.2))[..., None]
-        image = (image * (1 - soft) + patch * soft).astype(np.uint8)
+        image = np.clip(image + (patch - image) * soft, 0, 255).astype(np.uint8)
         label = np.where(alpha > 0.5, np.uint8(self.label), label)
         return image, label, self._pasted_hints(hints, alpha, warp, size)
 

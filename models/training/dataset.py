@@ -16,6 +16,7 @@ from classes import label_of_coco
 
 IMAGE_FOLDERS = ('rgb', 'images')
 FOLD = 5  # every fifth image, by a hash of its name, is held back from training
+KEPT_BYTES = 2**30  # of a folder's decoded images in memory: to decode one takes longer than all that is done to it
 
 
 class LabelledFolder:
@@ -34,6 +35,7 @@ class LabelledFolder:
         if images is None or not os.path.isdir(labels):
             raise SystemExit(f"'{folder}' is no labelled folder: it needs rgb/ or images/, and labels/ or masks/")
         self.table = _coco_table(folder) if coco else None
+        self.kept, self.room = {}, KEPT_BYTES  # by path of the image
         self.pairs = []
         for path in sorted(glob.glob(os.path.join(images, '*'))):
             label = os.path.join(labels, os.path.splitext(os.path.basename(path))[0] + '.png')
@@ -55,12 +57,19 @@ class LabelledFolder:
     def __len__(self):
         return len(self.pairs)
 
-    def hints(self, index):
-        return hint.load(self.folder, os.path.splitext(os.path.basename(self.pairs[index][0]))[0])
-
     def load(self, index):
-        """@return RGB image HxWx3 and label image HxW, both uint8."""
+        """@return RGB image HxWx3 and label image HxW, both uint8, and hints or None; not to be written to."""
         path, label_path = self.pairs[index]
+        if path not in self.kept:
+            loaded = (*self._decode(path, label_path), hint.load(self.folder, os.path.splitext(os.path.basename(path))[0]))
+            size = sum(array.nbytes for array in loaded if array is not None)
+            if size > self.room:
+                return loaded
+            self.room -= size
+            self.kept[path] = loaded
+        return self.kept[path]
+
+    def _decode(self, path, label_path):
         image, label = cv2.imread(path, cv2.IMREAD_COLOR), cv2.imread(label_path, cv2.IMREAD_GRAYSCALE)
         if image is None or label is None or image.shape[:2] != label.shape:
             raise SystemExit(f"'{path}' and '{label_path}' do not load or differ in size")
@@ -104,10 +113,9 @@ class AugmentedSamples(torch.utils.data.Dataset):
     def __getitem__(self, index):
         rng = np.random.default_rng((self.seed, index))
         source = self.sources[rng.choice(len(self.sources), p=self.odds)]
-        number = rng.integers(len(source))
-        whole, whole_label = source.load(number)
+        whole, whole_label, whole_hints = source.load(rng.integers(len(source)))
         image, label, to_sample = augment.crop(whole, whole_label, self.size, rng)
-        hints = hint.of_sample(source.hints(number), whole_label.shape, to_sample, self.size)
+        hints = hint.of_sample(whole_hints, whole_label.shape, to_sample, self.size)
         if rng.random() < self.paste:
             image, label, hints = self.cutouts.paste(image, label, hints, rng)
         image = augment.photometric(image, rng)

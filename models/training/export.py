@@ -24,7 +24,9 @@ def export(model, path, size):
     with warnings.catch_warnings():
         warnings.simplefilter('ignore')  # PyTorch warns that sizes become constants, which is what we want
         torch.onnx.export(model, torch.zeros(1, 3, size[1], size[0]), path, input_names=['image'],
-                          output_names=['logits'], opset_version=13, **options)
+                          output_names=['logits'], opset_version=13, **options,
+                          training=torch.onnx.TrainingMode.PRESERVE)  # keeps the weights as train.py --from reads them; the
+        # runtime joins normalisations to convolutions by itself
     write_sidecar(os.path.splitext(path)[0] + '.yaml', size, 'BiSeNet V2, indoor classes')
 
 

@@ -16,7 +16,7 @@ STRIDE = 8   # px of a sample per place
 
 def load(folder, stem):
     path = os.path.join(folder, 'hints', stem + '.npy')
-    return np.load(path).astype(np.float32) if os.path.exists(path) else None
+    return np.load(path) if os.path.exists(path) else None
 
 
 def none(size):
@@ -25,7 +25,7 @@ def none(size):
 
 
 def of_sample(hints, shape, to_sample, size):
-    """@param hints      of an image, or None
+    """@param hints      of an image, of any float type, or None
     @param shape      rows and columns of the image
     @param to_sample  2x3, image px -> sample px
     @return rows/8 x columns/8 x HINTS at the places of the sample, NaN outside the image"""
@@ -38,7 +38,7 @@ def of_sample(hints, shape, to_sample, size):
     warp = (to_hints @ to_image @ place)[:2]
     grid = (size[0] // STRIDE, size[1] // STRIDE)
     options = {'flags': cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP}
-    sampled = cv2.warpAffine(hints, warp, grid, borderMode=cv2.BORDER_REPLICATE, **options)
+    sampled = cv2.warpAffine(hints.astype(np.float32), warp, grid, borderMode=cv2.BORDER_REPLICATE, **options)
     inside = cv2.warpAffine(np.ones((rows, columns), np.float32), warp, grid, **options)
     sampled[inside < 0.99] = np.nan
     return sampled

@@ -31,10 +31,15 @@ try:
     import dataset
     import evaluate
     import export
+    import network_file
     import scores
     import train
 except ImportError:
     torch = None
+try:
+    import onnx
+except ImportError:
+    onnx = None
 
 SIZE = (96, 64)
 
@@ -327,9 +332,12 @@ class Training(unittest.TestCase):
     def tearDown(self):
         self.folder.cleanup()
 
+    def arguments(self, steps, *more):
+        return ['--data', self.data, '--out', self.out, '--size', '96x64', '--steps', str(steps), '--batch', '4', '--head', '32',
+                '--workers', '0', '--evaluate-every', '5', *more]
+
     def train(self, steps, *more):
-        return train.main(['--data', self.data, '--out', self.out, '--size', '96x64', '--steps', str(steps), '--batch', '4',
-                           '--head', '32', '--workers', '0', '--evaluate-every', '5', *more])
+        return train.main(self.arguments(steps, *more))
 
     def losses(self):
         with open(os.path.join(self.out, 'log.csv'), encoding='utf-8') as text:
@@ -391,11 +399,28 @@ class Training(unittest.TestCase):
         result = evaluate.main([checkpoint, self.data, '--all', '--pictures', os.path.join(self.out, 'pictures')])
         self.assertEqual(result['images'], 12)
         self.assertEqual(len(os.listdir(os.path.join(self.out, 'pictures'))), 12)
-        onnx = os.path.join(self.out, 'net.onnx')
-        export.main([checkpoint, onnx])
-        self.assertGreater(os.path.getsize(onnx), 1e6)
+        network = os.path.join(self.out, 'net.onnx')
+        export.main([checkpoint, network])
+        self.assertGreater(os.path.getsize(network), 1e6)
         with open(os.path.join(self.out, 'net.yaml'), encoding='utf-8') as text:
             self.assertIn('width: 96', text.read())
+
+    def test_begins_with_the_weights_of_another_training_or_of_an_exported_network(self):
+        self.train(5)
+        files = [os.path.join(self.out, 'last.pt')]
+        if onnx is not None:
+            for options in ([], ['--half']):
+                files.append(os.path.join(self.out, f'net{len(files)}.onnx'))
+                export.main([files[0], files[-1], *options])
+        image = torch.rand(1, 3, 64, 96)
+        with torch.no_grad():
+            expected = network_file.load_network(files[0])[0](image)
+            for path in files:
+                self.out = os.path.join(self.folder.name, 'from_' + os.path.basename(path))
+                model = train.Training(train.arguments(self.arguments(1, '--from', path))).model.eval()
+                self.assertLess((model(image) - expected).abs().max(), 1e-2 * expected.abs().max(), path)
+                with self.assertRaisesRegex(SystemExit, 'is not this network'):
+                    network_file.load_weights(bisenetv2.BiSeNetV2(len(NAMES), 64), path)
 
     def test_says_what_is_wrong_with_a_folder(self):
         with self.assertRaisesRegex(SystemExit, 'no labelled folder'):

@@ -509,6 +509,8 @@ def main():
     os.environ["ROS_LOG_DIR"] = os.path.join(options.out, "log", "ros")
     processes = Processes(os.path.join(options.out, "log"), dict(os.environ))
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    # A shell's background jobs ignore it, and so would what is started here, which it ends: rosbag record breaks off then.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         run(options, processes)
     except DemoError as error:

@@ -355,6 +355,7 @@ class Training(unittest.TestCase):
         with self.assertRaises(SystemExit):
             self.train(10, '--head', '64')
 
+    @unittest.skipIf(torch is not None and torch.__version__.startswith('1.'), "PyTorch 1's torchrun fails on Python 3.11")
     def test_two_processes_learn_as_one(self):
         """Each has samples of its own, so that their weights are alike only if they share them; one writes the files."""
         script = os.path.join(self.folder.name, 'run.py')

@@ -21,12 +21,12 @@ from train import parse_size
 
 def export(model, path, size):
     options = {'dynamo': False} if 'dynamo' in inspect.signature(torch.onnx.export).parameters else {}
+    options['training'] = torch.onnx.TrainingMode.PRESERVE  # else normalisations become part of the convolutions' weights, which
+    # the runtime does as well, and train.py --from could not read them
     with warnings.catch_warnings():
         warnings.simplefilter('ignore')  # PyTorch warns that sizes become constants, which is what we want
         torch.onnx.export(model, torch.zeros(1, 3, size[1], size[0]), path, input_names=['image'],
-                          output_names=['logits'], opset_version=13, **options,
-                          training=torch.onnx.TrainingMode.PRESERVE)  # keeps the weights as train.py --from reads them; the
-        # runtime joins normalisations to convolutions by itself
+                          output_names=['logits'], opset_version=13, **options)
     write_sidecar(os.path.splitext(path)[0] + '.yaml', size, 'BiSeNet V2, indoor classes')
 
 

@@ -42,15 +42,18 @@ def load_network(path):
 
 def load_weights(model, path):
     """Gives a model to train the weights of a checkpoint's averaged network or of a network that export.py wrote. What they
-    lack, the heads that only training has, stays as it is."""
+    lack, the heads that only training has, stays as it is. Ends the program if the file is none of these or does not fit."""
     if path.endswith('.onnx'):
         try:
             import onnx
         except ImportError as error:
             raise SystemExit(f"{error}: to read '{path}' needs `pip install onnx`") from None
-        if not os.path.exists(path):
-            raise SystemExit(f"network '{path}' does not exist")
-        graph = onnx.load(path).graph
+        try:
+            graph = onnx.load(path).graph
+        except OSError as error:
+            raise SystemExit(f"network '{path}' cannot be read: {error.strerror}") from None
+        except Exception as error:  # protobuf's own, of a class that differs between its versions
+            raise SystemExit(f"'{path}' is no ONNX file: {error}") from None
         found = {w.name: torch.tensor(onnx.numpy_helper.to_array(w)).float() for w in graph.initializer}
         for node in graph.node:
             if node.op_type in ('Cast', 'Identity') and node.input[0] in found:  # from 16 bits; equal ones are stored once
@@ -58,13 +61,13 @@ def load_weights(model, path):
     else:
         found = load_checkpoint(path)['average']
     wanted = model.state_dict()
-    lacking = [name for name, w in wanted.items() if w.dtype.is_floating_point and not name.startswith(TRAINING_HEADS)
-               and (name not in found or found[name].shape != w.shape)]
+    fitting = {name: found[name] for name, w in wanted.items() if name in found and found[name].shape == w.shape}
+    lacking = [name for name, w in wanted.items()
+               if w.dtype.is_floating_point and not name.startswith(TRAINING_HEADS) and name not in fitting]
     if lacking:
         raise SystemExit(f"'{path}' is not this network (--head?): {len(lacking)} of its weights are missing or of another shape, "
                          f'{lacking[0]} for one')
-    model.load_state_dict({name: found[name] for name in wanted if name in found and found[name].shape == wanted[name].shape},
-                          strict=False)
+    model.load_state_dict(fitting, strict=False)
 
 
 def write_sidecar(path, size, title):

@@ -423,6 +423,30 @@ class Training(unittest.TestCase):
                 with self.assertRaisesRegex(SystemExit, 'is not this network'):
                     network_file.load_weights(bisenetv2.BiSeNetV2(len(NAMES), 64), path)
 
+    def test_says_what_is_wrong_with_the_weights_to_begin_with(self):
+        model = bisenetv2.BiSeNetV2(len(NAMES), 32)
+        with self.assertRaisesRegex(SystemExit, 'does not exist'):
+            network_file.load_weights(model, os.path.join(self.out, 'none.pt'))
+        if onnx is None:
+            return
+        with self.assertRaisesRegex(SystemExit, 'cannot be read: No such file'):
+            network_file.load_weights(model, os.path.join(self.out, 'none.onnx'))
+        broken = os.path.join(self.folder.name, 'broken.onnx')
+        with open(broken, 'wb') as out:
+            out.write(b'\xff not a network')
+        with self.assertRaisesRegex(SystemExit, 'is no ONNX file'):
+            network_file.load_weights(model, broken)
+
+    def test_keeps_decoded_images_while_there_is_room(self):
+        folder = dataset.LabelledFolder(self.data)
+        self.assertIs(folder.load(0)[0], folder.load(0)[0])
+        with mock.patch.object(dataset, 'KEPT_BYTES', 64 * 96 * 4):  # one image with its labels
+            folder = dataset.LabelledFolder(self.data)
+        first, second = folder.load(0), folder.load(1)
+        self.assertIs(folder.load(0)[0], first[0])
+        self.assertIsNot(folder.load(1)[0], second[0])
+        self.assertTrue((folder.load(1)[0] == second[0]).all())
+
     def test_says_what_is_wrong_with_a_folder(self):
         with self.assertRaisesRegex(SystemExit, 'no labelled folder'):
             dataset.LabelledFolder(self.folder.name)

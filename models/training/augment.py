@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Augmentation. Images are HxWx3 uint8 RGB, labels HxW uint8; every draw comes from the generator that is passed in."""
+"""Augmentation. Images are HxWx3 uint8 RGB, labels HxW uint8; every draw comes from the generator that is passed in.
+
+How much is a matter of measurement: a network this small learns less from samples that are all distorted (README.md)."""
 import cv2
 import numpy as np
 
@@ -9,6 +11,7 @@ from classes import IGNORE, NAMES, PERSON
 
 PASTED = tuple(NAMES.index(name) for name in
                ('person', 'chair', 'monitor', 'keyboard', 'mouse', 'book', 'laptop', 'bottle', 'cup'))
+PHOTOMETRIC = 0.5        # share of samples whose light and sharpness are changed
 PERSON_ODDS = 0.6        # of a paste; the other classes share the rest
 MIN_CUTOUT_PX = 400      # smaller ones show too little of the object
 MIN_CUTOUT_SHARE = 0.35  # of its box: scattered pieces are no object
@@ -16,12 +19,12 @@ MAX_CUTOUTS = 150        # a source and class; enough to vary, and bounded in me
 
 
 def crop(image, label, size, rng):
-    """A random part, 40 % to 130 % of the image, its aspect ratio changed by up to 20 %, perhaps mirrored.
+    """A random part, 50 % to 120 % of the image, its aspect ratio changed by up to 20 %, perhaps mirrored.
 
     @return image and label of `size` (width, height), and the 2x3 transformation from px of the image to px of the part"""
     width, height = size
     h, w = label.shape
-    scale = np.exp(rng.uniform(np.log(0.4), np.log(1.3))) * min(w / width, h / height)
+    scale = np.exp(rng.uniform(np.log(0.5), np.log(1.2))) * min(w / width, h / height)
     aspect = np.exp(rng.uniform(-0.2, 0.2))
     part_w, part_h = width * scale * aspect, height * scale / aspect
     x = rng.uniform(min(0, w - part_w), max(0, w - part_w))
@@ -130,7 +133,7 @@ class Cutout:
         """@return 2x3, px of the patch -> px of the sample"""
         person = self.label == PERSON
         rows, columns = self.mask.shape
-        share = np.exp(rng.uniform(np.log(0.3), np.log(3.0)) if person else rng.uniform(np.log(0.08), np.log(0.6)))
+        share = np.exp(rng.uniform(np.log(0.3), np.log(2.0)) if person else rng.uniform(np.log(0.08), np.log(0.6)))
         scale = share * size[1] / max(rows, 0.7 * columns)
         angle = rng.uniform(-10, 10) if person else rng.uniform(-25, 25)
         warp = cv2.getRotationMatrix2D((columns / 2, rows / 2), angle, scale)

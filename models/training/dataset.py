@@ -118,7 +118,8 @@ class AugmentedSamples(torch.utils.data.Dataset):
         hints = hint.of_sample(whole_hints, whole_label.shape, to_sample, self.size)
         if rng.random() < self.paste:
             image, label, hints = self.cutouts.paste(image, label, hints, rng)
-        image = augment.photometric(image, rng)
+        if rng.random() < augment.PHOTOMETRIC:
+            image = augment.photometric(image, rng)
         return planar(image), torch.from_numpy(label), planar(hints)
 
 

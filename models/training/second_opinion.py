@@ -6,8 +6,9 @@
 usage: second_opinion.py DETECTOR.onnx DIR        (needs the Python package onnxruntime)
 
 DETECTOR.onnx is a YOLOX network of the 80 classes of COCO. Photographs whose people the two do not agree on are deleted from
-DIR/images and DIR/labels. In the others, what is unknown becomes background where the detector suspects none of our classes:
-that a wall is no person is worth teaching, that a keyboard is background is not.
+DIR/images and DIR/labels. In the others, what is unknown becomes background where the detector suspects none of our classes, and
+around people whose labels fill their boxes as bodies do: that a wall is no person, and where a person ends, is worth teaching;
+that a keyboard is background is not.
 """
 import argparse
 import glob
@@ -27,6 +28,7 @@ MARGIN = 0.1                  # of a box's width and height: boxes of small netw
 MIN_PEOPLE = 0.003            # share of the image: fewer pixels are no people
 MIN_CONFIRMED = 0.7           # share of them inside sure boxes
 BORDER_PX = 4                 # about a label that may be either
+MIN_FILLED = 0.4              # of a box of a person, by its labels: bodies fill about half, and with less a part may be missing
 
 
 class Detector:
@@ -79,6 +81,12 @@ def covered(boxes, shape, margin=0.0):
     return mask
 
 
+def is_filled(box, people):
+    """@return whether it is a person's box, and the labels in it show a whole body"""
+    inside = people[covered([box], people.shape)]
+    return box[0] == COCO_PERSON and inside.size > 0 and inside.mean() >= MIN_FILLED
+
+
 def second_opinion(label, boxes):
     """@param label  of the segmentation network, 255 where unknown  @return the corrected label, None if the two disagree"""
     sure = [box for box in boxes if box[0] == COCO_PERSON and box[1] > SURE]
@@ -90,7 +98,7 @@ def second_opinion(label, boxes):
         return None
     known = ((label > 0) & (label != IGNORE)).astype(np.uint8)
     near = cv2.dilate(known, np.ones((2 * BORDER_PX + 1,) * 2, np.uint8)) > 0
-    suspected = covered([box for box in boxes if box[0] in OURS], label.shape)
+    suspected = covered([box for box in boxes if box[0] in OURS and not is_filled(box, people)], label.shape)
     return np.where((label == IGNORE) & ~near & ~suspected, 0, label).astype(np.uint8)
 
 

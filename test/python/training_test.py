@@ -248,6 +248,13 @@ class SecondOpinion(unittest.TestCase):
         label = second_opinion.second_opinion(self.label, [self.box(0, 0.9, 30, 20, 70, 80), keyboard, kite])
         self.assertEqual((label[10, 10], label[10, 90]), (IGNORE, 0))
 
+    def test_makes_the_surroundings_of_whole_people_background(self):
+        label = np.full((100, 100), IGNORE, np.uint8)
+        label[20:80, 30:50] = PERSON
+        for right, expected in ((65, 0), (95, IGNORE)):  # filled to more, and to less, than two fifths
+            box = self.box(0, 0.9, 30, 20, right, 80)
+            self.assertEqual(second_opinion.second_opinion(label, [box])[50, 60], expected)
+
     def test_decodes_the_detectors_boxes(self):
         found = np.zeros((8 * 8 + 4 * 4 + 2 * 2, 85), np.float32)  # of an input of 64 px
         found[8 * 8 + 4 * 1 + 2, :4] = 0.5, 0.25, np.log(2), np.log(1)  # cell (2, 1) of the grid of 16 px

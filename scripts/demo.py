@@ -242,8 +242,9 @@ class ResultsRecorder:
         for old in (self.path, self.path + ".active"):
             if os.path.exists(old):
                 os.remove(old)
-        # Without compression the masks are 9 MB/s to write.
-        processes.start("rosbag_record", ["rosbag", "record", "--quiet", "--lz4", "-O", self.path, *self.TOPICS])
+        # Not `rosbag record`, which starts the same program but ends a quarter of a second after SIGINT, whether that has closed
+        # the bag or not. Without compression the masks are 9 MB/s to write.
+        processes.start("rosbag_record", ["rosrun", "rosbag", "record", "--quiet", "--lz4", "-O", self.path, *self.TOPICS])
 
     def close(self):
         self.processes.stop("rosbag_record", self.CLOSING_S)
@@ -446,7 +447,7 @@ def print_figures(result):
 
 def run(options, processes):
     import rospy
-    require("Xvfb", "import", "roslaunch", "rosbag", "rviz")
+    require("Xvfb", "import", "roslaunch", "rosbag", "rosrun", "rviz")
     bag = make_bag(options, processes)
     recording = Recording(bag)
     say(f"{bag}: {recording.frames} frames, {recording.duration_s:.1f} s")

@@ -57,13 +57,14 @@ struct MappingNodeletConfig {
 /// worker.
 class MappingNodelet final : public StageNodelet {
  public:
-  ~MappingNodelet() override;
+  ~MappingNodelet() override { stop(); }
 
  private:
   using Task = std::function<void()>;
   static constexpr std::size_t kQueue = 64;
 
   void start() override;
+  void stop() override;
   void advertiseServices(ros::NodeHandle private_nh);
   void subscribe(ros::NodeHandle nh);
   void report(StageDiagnostics::Status& status);
@@ -110,13 +111,15 @@ class MappingNodelet final : public StageNodelet {
   std::unique_ptr<KeyframeInputs> inputs_;  // gather() by the worker only
 };
 
-MappingNodelet::~MappingNodelet() {
+void MappingNodelet::stop() {
   if (diagnostics_) diagnostics_->stop();
   if (inputs_) inputs_->close();  // the worker waits for nothing any more, nor does who waits for the worker
   for (ros::Subscriber& subscriber : subscribers_) subscriber.shutdown();
   services_.shutdown();
   publish_timer_.stop();
   worker_.reset();
+  inputs_.reset();
+  diagnostics_.reset();
 }
 
 void MappingNodelet::start() {

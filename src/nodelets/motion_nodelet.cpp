@@ -45,10 +45,11 @@ struct MotionNodeletConfig {
 /// watched, motion/report. Labels, late as they are, are carried forward into the mask.
 class MotionNodelet final : public StageNodelet {
  public:
-  ~MotionNodelet() override;
+  ~MotionNodelet() override { stop(); }
 
  private:
   void start() override;
+  void stop() override;
   void onLabels(const sensor_msgs::ImageConstPtr& message);
   void onLabelInfo(const LabelInfoConstPtr& message);
 
@@ -78,7 +79,7 @@ class MotionNodelet final : public StageNodelet {
   std::unique_ptr<RgbdSubscriber> input_;
 };
 
-MotionNodelet::~MotionNodelet() {
+void MotionNodelet::stop() {
   // Callbacks stop first, then the worker, then what both use.
   labels_subscriber_.shutdown();
   label_info_subscriber_.shutdown();
@@ -86,6 +87,7 @@ MotionNodelet::~MotionNodelet() {
   if (diagnostics_) diagnostics_->stop();
   input_.reset();
   worker_.reset();
+  diagnostics_.reset();
 }
 
 void MotionNodelet::start() {

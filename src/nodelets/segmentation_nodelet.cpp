@@ -49,10 +49,11 @@ struct SegmentationNodeletConfig {
 /// for is never labelled.
 class SegmentationNodelet final : public StageNodelet {
  public:
-  ~SegmentationNodelet() override;
+  ~SegmentationNodelet() override { stop(); }
 
  private:
   void start() override;
+  void stop() override;
   void run(ros::NodeHandle nh, ros::NodeHandle private_nh);
   void report(StageDiagnostics::Status& status);
   void openNetwork();
@@ -81,12 +82,14 @@ class SegmentationNodelet final : public StageNodelet {
   std::unique_ptr<KeptFrames> frames_;
 };
 
-SegmentationNodelet::~SegmentationNodelet() {
+void SegmentationNodelet::stop() {
   keyframe_subscriber_.shutdown();
   keyframe_poses_subscriber_.shutdown();
   if (diagnostics_) diagnostics_->stop();
   if (frames_) frames_->close();
   worker_.reset();
+  frames_.reset();
+  diagnostics_.reset();
 }
 
 /// A network that does not load costs the labels, not the robot: everything else goes on with motion detection.

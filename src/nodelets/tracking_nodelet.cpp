@@ -56,10 +56,11 @@ struct TrackingNodeletConfig {
 /// Owner of the sparse map.
 class TrackingNodelet final : public StageNodelet {
  public:
-  ~TrackingNodelet() override;
+  ~TrackingNodelet() override { stop(); }
 
  private:
   void start() override;
+  void stop() override;
   void advertiseServices(ros::NodeHandle private_nh);
   void report(StageDiagnostics::Status& status);
   void dropMap();
@@ -90,12 +91,14 @@ class TrackingNodelet final : public StageNodelet {
   std::unique_ptr<RgbdSubscriber> input_;
 };
 
-TrackingNodelet::~TrackingNodelet() {
+void TrackingNodelet::stop() {
   services_.shutdown();
   if (diagnostics_) diagnostics_->stop();
   input_.reset();
   if (masks_) masks_->close();
   worker_.reset();
+  masks_.reset();
+  diagnostics_.reset();
 }
 
 void TrackingNodelet::start() {

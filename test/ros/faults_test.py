@@ -96,7 +96,7 @@ class FaultsTest(unittest.TestCase):
 
     def check_refused_start(self, name, arguments, *words):
         with Node(name, *arguments) as node:
-            self.assertNotEqual(node.process.wait(40), 0)
+            self.assertEqual(node.process.wait(40), 1)
             node.reader.join(5)
             self.assertEqual(len(node.lines_with("FATAL", *words)), 1, "".join(node.lines))
 
@@ -126,7 +126,8 @@ class FaultsTest(unittest.TestCase):
         self.check_refused_start("tracking_node", ["__name:=f", "_frames/odom_frame:=odom"], "base_frame")
 
     def test_unknown_image_transport_is_named(self):
-        self.check_refused_start("motion_node", ["__name:=m", "_image_transport:=smoke"], "image_transport", "smoke")
+        for name in ("motion_node", "tracking_node"):
+            self.check_refused_start(name, ["__name:=m", "_image_transport:=smoke"], "image_transport", "smoke")
 
     def test_share_that_segmentation_does_not_decide_by_is_refused(self):
         self.check_refused_start("segmentation_node", ["__name:=n", "_segmentation/phi:=0.5"], "segmentation.phi")

@@ -14,12 +14,16 @@ class StageNodelet : public nodelet::Nodelet {
  private:
   virtual void start() = 0;
 
+  /// Ends whatever start() began, all of it or a part, callbacks first. Destructors call it too.
+  virtual void stop() = 0;
+
   void onInit() final {
     installRosLogSink();
     try {
       start();
     } catch (const Error& error) {
       NODELET_FATAL("%s", error.what());
+      stop();  // the loader deletes the nodelet after the queues of its callbacks, and they may not outlive these
       throw;  // the loader gives the nodelet up; a node ends
     }
   }

@@ -120,6 +120,7 @@ void MappingNodelet::stop() {
   worker_.reset();
   inputs_.reset();
   diagnostics_.reset();
+  publisher_.reset();
 }
 
 void MappingNodelet::start() {

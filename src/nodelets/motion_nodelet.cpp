@@ -88,6 +88,7 @@ void MotionNodelet::stop() {
   input_.reset();
   worker_.reset();
   diagnostics_.reset();
+  for (ros::Publisher* publisher : {&mask_publisher_, &flow_publisher_, &report_publisher_}) publisher->shutdown();
 }
 
 void MotionNodelet::start() {

@@ -90,6 +90,7 @@ void SegmentationNodelet::stop() {
   worker_.reset();
   frames_.reset();
   diagnostics_.reset();
+  for (ros::Publisher* publisher : {&labels_publisher_, &info_publisher_, &overlay_publisher_}) publisher->shutdown();
 }
 
 /// A network that does not load costs the labels, not the robot: everything else goes on with motion detection.

@@ -99,6 +99,7 @@ void TrackingNodelet::stop() {
   worker_.reset();
   masks_.reset();
   diagnostics_.reset();
+  publisher_.reset();
 }
 
 void TrackingNodelet::start() {

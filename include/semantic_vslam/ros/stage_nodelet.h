@@ -24,7 +24,7 @@ class StageNodelet : public nodelet::Nodelet {
     } catch (const Error& error) {
       NODELET_FATAL("%s", error.what());
       stop();  // the loader deletes the nodelet after the queues of its callbacks, and they may not outlive these
-      throw;  // the loader gives the nodelet up; a node ends
+      throw;   // the loader gives the nodelet up; a node ends
     }
   }
 };

@@ -64,7 +64,7 @@ def arguments(argv=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--data', type=parse_source, nargs='+', required=True, help='labelled folders, with :WEIGHT')
     parser.add_argument('--out', required=True)
-    parser.add_argument('--from', dest='start', metavar='FILE', 
+    parser.add_argument('--from', dest='start', metavar='FILE',
                         help='begin a new training with the weights of this checkpoint, or network of export.py')
     parser.add_argument('--size', type=parse_size, default=(256, 192), help='of samples, px')
     parser.add_argument('--steps', type=int, default=20000)

@@ -126,7 +126,7 @@ class FaultsTest(unittest.TestCase):
         self.check_refused_start("tracking_node", ["__name:=f", "_frames/odom_frame:=odom"], "base_frame")
 
     def test_unknown_image_transport_is_named(self):
-        for name in ("motion_node", "tracking_node"):
+        for name in ("motion_node", "tracking_node", "mapping_node"):
             self.check_refused_start(name, ["__name:=m", "_image_transport:=smoke"], "image_transport", "smoke")
 
     def test_share_that_segmentation_does_not_decide_by_is_refused(self):

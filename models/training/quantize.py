@@ -3,10 +3,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Quantises an exported network to 8-bit integers, calibrated on images like those it will see.
 
-usage: quantize.py IN.onnx OUT.onnx IMAGE_DIR [--count 100]       (needs the Python packages onnx and onnxruntime)
+usage: quantize.py IN.onnx OUT.onnx IMAGE_DIR ... [--count 60]      (needs the Python packages onnx and onnxruntime)
 
-Copies the sidecar. The last layer stays in float: it is small, and its scores decide the labels. Compare the two networks
-before use (label_images, evaluate): on a processor without VNNI the float one may be faster, and it is never less right.
+Copies the sidecar. The last layer stays in float: it is small, and its scores decide the labels. Weights take 7 bits: processors
+without VNNI add two products in 16 bits, which 8 would overflow. Compare the two networks before use (measure_segmentation,
+label_images): on such a processor the float one may be as fast.
 """
 import argparse
 import glob
@@ -18,6 +19,11 @@ import cv2
 import numpy as np
 
 from network_file import MEAN, STD
+
+# An activation's range holds all but its TAIL smallest and largest values in SHARE of the images, and beyond it clips. On one
+# image in ten a few activations are a thousand times as large as usual; a range that holds them tells nothing else apart.
+TAIL = 1e-4
+SHARE = 0.9
 
 
 class Images:
@@ -41,12 +47,37 @@ def read_size(sidecar):
     return tuple(int(re.search(rf'^\s+{side}: (\d+)', content, re.MULTILINE).group(1)) for side in ('width', 'height'))
 
 
+def activation_ranges(prepared, images):
+    """@return {activation: (least, largest)} of a float network over calibration images"""
+    import onnx
+    import onnxruntime
+    model = onnx.load(prepared)
+    names = [name for node in model.graph.node for name in node.output]
+    known = {output.name for output in model.graph.output}
+    model.graph.output.extend(onnx.ValueInfoProto(name=name) for name in names if name not in known)
+    options = onnxruntime.SessionOptions()
+    options.graph_optimization_level = onnxruntime.GraphOptimizationLevel.ORT_DISABLE_ALL  # fused layers give no output
+    session = onnxruntime.InferenceSession(model.SerializeToString(), options, providers=['CPUExecutionProvider'])
+    ranges = []
+    while (inputs := images.get_next()) is not None:
+        ranges.append([_without_tails(values.ravel()) for values in session.run(names, inputs)])
+    least, largest = np.moveaxis(np.array(ranges), 2, 0)
+    least, largest = np.quantile(least, 1 - SHARE, axis=0), np.quantile(largest, SHARE, axis=0)
+    return {name: (min(low, 0.0), max(high, 1e-3)) for name, low, high in zip(names, least, largest)}
+
+
+def _without_tails(values):
+    left_out = int(TAIL * values.size)
+    ordered = np.partition(values, (left_out, values.size - 1 - left_out))
+    return ordered[left_out], ordered[-1 - left_out]
+
+
 def main(argv=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('network')
     parser.add_argument('out')
-    parser.add_argument('images', help='folder of .jpg or .png')
-    parser.add_argument('--count', type=int, default=100, help='images to calibrate on')
+    parser.add_argument('images', nargs='+', help='folders of .jpg or .png')
+    parser.add_argument('--count', type=int, default=60, help='images to calibrate on, as many of each folder')
     args = parser.parse_args(argv)
     try:
         import onnx
@@ -55,18 +86,29 @@ def main(argv=None):
     except ImportError as error:
         raise SystemExit(f'{error}: quantising needs `pip install onnx onnxruntime`') from None
     sidecar = os.path.splitext(args.network)[0] + '.yaml'
-    paths = sorted(glob.glob(os.path.join(args.images, '*.jpg')) + glob.glob(os.path.join(args.images, '*.png')))
-    if not paths:
-        raise SystemExit(f"'{args.images}' holds no .jpg or .png")
-    paths = paths[::max(1, len(paths) // args.count)][:args.count]
+    size = read_size(sidecar)
+    paths = [path for folder in args.images for path in spread(folder, -(-args.count // len(args.images)))]
     prepared = args.out + '.float'
     quant_pre_process(args.network, prepared)
-    last = [node.name for node in onnx.load(prepared).graph.node if node.op_type == 'Conv'][-1]
-    quantize_static(prepared, args.out, Images(paths, read_size(sidecar)), quant_format=QuantFormat.QDQ, per_channel=True,
-                    activation_type=QuantType.QUInt8, weight_type=QuantType.QInt8, nodes_to_exclude=[last])
+    nodes = onnx.load(prepared).graph.node
+    in_float = [[node.name for node in nodes if node.op_type == 'Conv'][-1]]
+    in_float += [node.name for node in nodes if node.op_type == 'BatchNormalization']  # of the image's mean: a single pixel
+    ranges = activation_ranges(prepared, Images(paths, size))
+    overrides = {name: [{'rmin': np.float32(low), 'rmax': np.float32(high)}] for name, (low, high) in ranges.items()}
+    quantize_static(prepared, args.out, Images(paths[:1], size), quant_format=QuantFormat.QDQ, per_channel=True,
+                    reduce_range=True, activation_type=QuantType.QUInt8, weight_type=QuantType.QInt8,
+                    nodes_to_exclude=in_float, extra_options={'TensorQuantOverrides': overrides})
     os.remove(prepared)
     shutil.copyfile(sidecar, os.path.splitext(args.out)[0] + '.yaml')
     print(f'{args.out}: {os.path.getsize(args.out) / 1e6:.1f} MB, calibrated on {len(paths)} images')
+
+
+def spread(folder, count):
+    """@return paths of up to `count` images of a folder, spread evenly"""
+    paths = sorted(glob.glob(os.path.join(folder, '*.jpg')) + glob.glob(os.path.join(folder, '*.png')))
+    if not paths:
+        raise SystemExit(f"'{folder}' holds no .jpg or .png")
+    return paths[::max(1, -(-len(paths) // count))]
 
 
 if __name__ == '__main__':

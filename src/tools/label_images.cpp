@@ -55,7 +55,7 @@ int run(const Arguments& arguments) {
   Progress progress(images.size(), "images");
   for (std::size_t i = 0; i < images.size(); ++i) {
     const cv::Mat3b bgr = readImageFile(images[i].string(), cv::IMREAD_COLOR);
-    cv::Mat1b labels = segmenter->segment(bgr);
+    cv::Mat1b labels = segmenter->segment(bgr).labels;
     const std::string stem = images[i].stem().string();
     writeImageFile((out / "overlays" / (stem + ".jpg")).string(), drawLabels(bgr, labels, segmenter->labels()));
     labels.setTo(static_cast<double>(unknown), labels == 0);

@@ -165,22 +165,23 @@ int run(const Arguments& arguments) {
   Progress progress(sequence.size(), "frames");
   while (auto frame = sequence.next()) {
     const cv::Mat1b truth = trueLabels(folder, sequence.pairs()[frame->index].rgb_file);
-    cv::Mat1b labels, refined;
+    Segmentation segmented;
+    cv::Mat1b refined;
     {
       auto timer = times.scope(segmenter ? "network" : "dilation", frame->index);
-      labels = segmenter ? segmenter->segment(frame->bgr) : dilateLabels(truth, options.dilate_px);
+      segmented = segmenter ? segmenter->segment(frame->bgr) : Segmentation{dilateLabels(truth, options.dilate_px)};
     }
     {
       auto timer = times.scope("refinement", frame->index);
-      refined = refiner.refine(labels, set, *frame);
+      refined = refiner.refine(segmented, set, *frame);
     }
-    people_before.add(labels == 1, truth == 1);
+    people_before.add(segmented.labels == 1, truth == 1);
     people_after.add(refined == 1, truth == 1);
-    points_before.add(labels, truth, *frame);
+    points_before.add(segmented.labels, truth, *frame);
     points_after.add(refined, truth, *frame);
     if (!options.pictures.empty()) {
       const std::string name = fs::path(sequence.pairs()[frame->index].rgb_file).stem().string() + ".jpg";
-      writePicture(options.pictures + "/" + name, *frame, labels, refined, truth, set);
+      writePicture(options.pictures + "/" + name, *frame, segmented.labels, refined, truth, set);
     }
     progress.show(frame->index + 1);
     sequence.skip(options.every - 1);

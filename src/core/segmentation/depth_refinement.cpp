@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/segmentation/block_grid.h"
 #include "semantic_vslam/core/segmentation/mask_bands.h"
+#include "semantic_vslam/core/segmentation/people_completion.h"
 
 namespace semantic_vslam {
 namespace {
@@ -31,23 +33,6 @@ struct Grid {
   cv::Mat1b labels;
   cv::Mat1f depth_m;
 };
-
-/// @return row or column of the image, of that many, for one of the grid; the last block may be cut off
-int middle(int index, int stride, int count) { return std::min(index * stride + stride / 2, count - 1); }
-
-template <class T>
-void takeEvery(int stride, const cv::Mat_<T>& image, cv::Mat_<T>& grid) {
-  if (stride == 1) {
-    grid = image;
-  } else {
-    grid.create((image.rows + stride - 1) / stride, (image.cols + stride - 1) / stride);
-    for (int v = 0; v < grid.rows; ++v) {
-      const T* from = image[middle(v, stride, image.rows)];
-      T* to = grid[v];
-      for (int u = 0; u < grid.cols; ++u) to[u] = from[middle(u, stride, image.cols)];
-    }
-  }
-}
 
 /// Collects the masks' pixels and computes the 3-D points of all of them; other points stay undefined.
 /// @param pixels, points_m  memory for the result
@@ -70,7 +55,7 @@ std::vector<GrownMask> collectMasks(const ConnectedRegions& masks, const std::ve
     *next[id[i]]++ = i;
     collected[id[i]].moments.add(p);
     const float z = grid.depth_m(p);
-    const cv::Vec2f& ray = rays(middle(p.y, grid.stride, rays.rows), middle(p.x, grid.stride, rays.cols));
+    const cv::Vec2f& ray = rays(middleOfBlock(p.y, grid.stride, rays.rows), middleOfBlock(p.x, grid.stride, rays.cols));
     points_m.ptr<cv::Vec3f>()[i] = {ray[0] * z, ray[1] * z, z};
   }
   return collected;
@@ -305,18 +290,27 @@ struct DepthRefiner::Buffers {
   cv::Mat3f points_m;
   cv::Mat1f reach_m2;
   cv::Mat1b bands, scratch, kept;
+  PeopleCompletion completion;
+
+  explicit Buffers(const RefinementConfig& config) : completion(config.stride_px, config.weak_share) {}
 };
 
 DepthRefiner::DepthRefiner(const RefinementConfig& config)
-    : config_(onGrid(config)), buffers_(std::make_unique<Buffers>()) {}
+    : config_(onGrid(config)), buffers_(std::make_unique<Buffers>(config)) {}
 DepthRefiner::~DepthRefiner() = default;
 DepthRefiner::DepthRefiner(DepthRefiner&&) noexcept = default;
 DepthRefiner& DepthRefiner::operator=(DepthRefiner&&) noexcept = default;
 
-cv::Mat1b DepthRefiner::refine(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame) {
-  assert(labels.size() == frame.depth_m.size());
-  if (!config_.enabled) return labels.clone();
-  auto& [grid, labelled, masks, parts, pixels, points_m, reach_m2, bands, scratch, kept] = *buffers_;
+cv::Mat1b DepthRefiner::refine(const Segmentation& segmentation, const LabelSet& label_set, const RgbdFrame& frame) {
+  assert(segmentation.labels.size() == frame.depth_m.size());
+  if (!config_.enabled) return segmentation.labels.clone();
+  const bool complete = !segmentation.weak_people.empty() && label_set.person() != 0;
+  return cut(complete ? buffers_->completion.complete(segmentation, label_set.person(), frame) : segmentation.labels,
+             label_set, frame);
+}
+
+cv::Mat1b DepthRefiner::cut(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame) {
+  auto& [grid, labelled, masks, parts, pixels, points_m, reach_m2, bands, scratch, kept, completion] = *buffers_;
   grid.stride = config_.stride_px;
   takeEvery(grid.stride, labels, grid.labels);
   takeEvery(grid.stride, frame.depth_m, grid.depth_m);
@@ -354,9 +348,9 @@ cv::Mat1b DepthRefiner::refine(const cv::Mat1b& labels, const LabelSet& label_se
   return grid.stride == 1 ? kept.clone() : spread(kept, labels, frame.depth_m, steps, grid.stride);
 }
 
-cv::Mat1b refineOnDepth(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame,
+cv::Mat1b refineOnDepth(const Segmentation& segmentation, const LabelSet& label_set, const RgbdFrame& frame,
                         const RefinementConfig& config) {
-  return DepthRefiner(config).refine(labels, label_set, frame);
+  return DepthRefiner(config).refine(segmentation, label_set, frame);
 }
 
 }  // namespace semantic_vslam

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace semantic_vslam {
 namespace {
@@ -73,7 +74,51 @@ int bestBetween(const LogitGrid& grid, const Tap& x, const Tap& y) {
   return best;
 }
 
+/// Probability of each cell that one of the label's classes is there.
+cv::Mat1f probability(const LogitGrid& grid, const std::vector<std::uint8_t>& lut, std::uint8_t label) {
+  cv::Mat1f likely(grid.size, 0.0F), all(grid.size, 0.0F), largest(grid.size, -std::numeric_limits<float>::infinity());
+  const int cells = grid.size.area();
+  auto* const likely_of = likely.ptr<float>();
+  auto* const all_of = all.ptr<float>();
+  auto* const largest_of = largest.ptr<float>();
+  for (int k = 0; k < grid.classes; ++k) {
+    const float* scores = grid.data + k * grid.class_step;
+    for (int i = 0; i < cells; ++i) largest_of[i] = std::max(largest_of[i], scores[i * grid.cell_step]);
+  }
+  for (int k = 0; k < grid.classes; ++k) {
+    const float* scores = grid.data + k * grid.class_step;
+    for (int i = 0; i < cells; ++i) {
+      const float e = std::exp(scores[i * grid.cell_step] - largest_of[i]);
+      all_of[i] += e;
+      if (lut[k] == label) likely_of[i] += e;
+    }
+  }
+  return likely / all;
+}
+
 }  // namespace
+
+cv::Mat1b upsampleLikely(const LogitGrid& grid, const cv::Rect2d& region, const cv::Size& size,
+                         const std::vector<std::uint8_t>& lut, std::uint8_t label, float least) {
+  const cv::Mat1f likely = probability(grid, lut, label);
+  const std::vector<Tap> columns = makeTaps(region.x, region.width, grid.size.width, size.width);
+  const std::vector<Tap> rows = makeTaps(region.y, region.height, grid.size.height, size.height);
+  cv::Mat1b out(size, std::uint8_t{0});
+  cv::Mat1f line(1, grid.size.width);
+  for (int v = 0; v < size.height; ++v) {
+    const Tap& y = rows[v];
+    const float *upper = likely[y.low], *lower = likely[y.high];
+    float* between = line[0];
+    for (int x = 0; x < line.cols; ++x) between[x] = upper[x] + y.weight * (lower[x] - upper[x]);
+    if (*std::max_element(between, between + line.cols) < least) continue;
+    std::uint8_t* to = out[v];
+    for (int u = 0; u < size.width; ++u) {
+      const Tap& x = columns[u];
+      to[u] = between[x.low] + x.weight * (between[x.high] - between[x.low]) < least ? 0 : 255;
+    }
+  }
+  return out;
+}
 
 cv::Mat1b upsampleBestLabels(const LogitGrid& grid, const cv::Rect2d& region, const cv::Size& size,
                              const std::vector<std::uint8_t>& lut) {

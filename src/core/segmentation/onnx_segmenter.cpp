@@ -125,7 +125,7 @@ class OnnxSegmenter final : public Segmenter {
   OnnxSegmenter(const SegmentationConfig& config, ModelSidecar sidecar);
 
   const LabelSet& labels() const override { return sidecar_.labels; }
-  cv::Mat1b segment(const cv::Mat3b& bgr) override;
+  Segmentation segment(const cv::Mat3b& bgr) override;
 
  private:
   void openSession(const SegmentationConfig& config);
@@ -142,6 +142,7 @@ class OnnxSegmenter final : public Segmenter {
   [[noreturn]] void misfit(const std::string& what) const;
 
   const std::string model_;
+  const float weak_person_;
   const ModelSidecar sidecar_;
   NetworkInput input_;
   Ort::Session session_{nullptr};
@@ -153,7 +154,10 @@ class OnnxSegmenter final : public Segmenter {
 };
 
 OnnxSegmenter::OnnxSegmenter(const SegmentationConfig& config, ModelSidecar sidecar)
-    : model_(config.model), sidecar_(std::move(sidecar)), input_(sidecar_.input) {
+    : model_(config.model),
+      weak_person_(static_cast<float>(config.weak_person)),
+      sidecar_(std::move(sidecar)),
+      input_(sidecar_.input) {
   openSession(config);
   checkInput();
   checkOutput();
@@ -263,7 +267,7 @@ void OnnxSegmenter::bindTensors() {
   binding_.BindOutput(output_name_.c_str(), output_tensor_);
 }
 
-cv::Mat1b OnnxSegmenter::segment(const cv::Mat3b& bgr) {
+Segmentation OnnxSegmenter::segment(const cv::Mat3b& bgr) {
   const cv::Size content = input_.fill(bgr);
   try {
     session_.Run(Ort::RunOptions{nullptr}, binding_);
@@ -273,8 +277,14 @@ cv::Mat1b OnnxSegmenter::segment(const cv::Mat3b& bgr) {
   }
   const double stride = sidecar_.output.stride;
   const cv::Rect2d region(0.0, 0.0, content.width / stride, content.height / stride);
-  if (sidecar_.output.kind == OutputKind::kLabels) return upsampleLabels(networkLabels(), region, bgr.size());
-  return upsampleBestLabels(logits(), region, bgr.size(), sidecar_.label_of_class);
+  if (sidecar_.output.kind == OutputKind::kLabels) return {upsampleLabels(networkLabels(), region, bgr.size())};
+  const std::vector<std::uint8_t>& lut = sidecar_.label_of_class;
+  Segmentation result{upsampleBestLabels(logits(), region, bgr.size(), lut)};
+  const std::uint8_t person = sidecar_.labels.person();
+  if (person > 0 && weak_person_ < 1.0F) {
+    result.weak_people = upsampleLikely(logits(), region, bgr.size(), lut, person, weak_person_);
+  }
+  return result;
 }
 
 LogitGrid OnnxSegmenter::logits() const {

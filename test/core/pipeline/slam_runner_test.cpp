@@ -43,13 +43,13 @@ class NotingNetwork final : public Segmenter {
   explicit NotingNetwork(std::vector<int>& asked) : asked_(asked) {}
 
   const LabelSet& labels() const override { return labels_; }
-  cv::Mat1b segment(const cv::Mat3b& bgr) override {
+  Segmentation segment(const cv::Mat3b& bgr) override {
     for (const SyntheticFrame& synthetic : frames()) {
       if (synthetic.frame.bgr.data != bgr.data) continue;
       asked_.push_back(static_cast<int>(synthetic.frame.index));
-      return synthetic.labels;
+      return {synthetic.labels};
     }
-    return cv::Mat1b::zeros(bgr.size());
+    return {cv::Mat1b::zeros(bgr.size())};
   }
 
  private:

@@ -141,11 +141,11 @@ TEST(SlamSystem, TwoHundredFramesOnWorkersWhileOthersRead) {
 class TrueLabels final : public Segmenter {
  public:
   const LabelSet& labels() const override { return labels_; }
-  cv::Mat1b segment(const cv::Mat3b& bgr) override {
+  Segmentation segment(const cv::Mat3b& bgr) override {
     for (const SyntheticFrame& synthetic : walkingFrames()) {
-      if (synthetic.frame.bgr.data == bgr.data) return synthetic.labels;
+      if (synthetic.frame.bgr.data == bgr.data) return {synthetic.labels};
     }
-    return cv::Mat1b::zeros(bgr.size());
+    return {cv::Mat1b::zeros(bgr.size())};
   }
 
  private:
@@ -199,9 +199,9 @@ class CountingSegmenter final : public Segmenter {
  public:
   explicit CountingSegmenter(int& count) : count_(count) {}
   const LabelSet& labels() const override { return labels_; }
-  cv::Mat1b segment(const cv::Mat3b& bgr) override {
+  Segmentation segment(const cv::Mat3b& bgr) override {
     ++count_;
-    return cv::Mat1b::zeros(bgr.size());
+    return {cv::Mat1b::zeros(bgr.size())};
   }
 
  private:
@@ -232,11 +232,11 @@ class SlowSegmenter final : public Segmenter {
  public:
   SlowSegmenter(std::atomic<int>& asked, std::atomic<bool>& go) : asked_(asked), go_(go) {}
   const LabelSet& labels() const override { return labels_; }
-  cv::Mat1b segment(const cv::Mat3b& bgr) override {
+  Segmentation segment(const cv::Mat3b& bgr) override {
     if (++asked_ > 1) {
       while (!go_) std::this_thread::yield();
     }
-    return cv::Mat1b::zeros(bgr.size());
+    return {cv::Mat1b::zeros(bgr.size())};
   }
 
  private:

@@ -39,7 +39,7 @@ RefinementConfig withStride(int stride_px) {
 
 /// Over every pixel unless the test says otherwise: most scenes here are small, and exact to the pixel.
 cv::Mat1b refine(const cv::Mat1b& labels, const cv::Mat1f& depth_m, const RefinementConfig& config = withStride(1)) {
-  return refineOnDepth(labels, officeLabels(), frameOf(depth_m), config);
+  return refineOnDepth({labels}, officeLabels(), frameOf(depth_m), config);
 }
 
 int differing(const cv::Mat1b& a, const cv::Mat1b& b) { return cv::countNonZero(a != b); }
@@ -237,13 +237,24 @@ TEST(RefineOnDepth, KeepsAMaskThatIsTooSmallForItsSurface) {
   EXPECT_EQ(differing(refine(inside, standingOnAFloor(kObject)), inside), 0);
 }
 
+TEST(DepthRefiner, CompletesPeopleBeforeItCuts) {
+  cv::Rect half = kObject;
+  half.height /= 2;
+  const RgbdFrame frame = frameOf(wallWith(kObject));
+  const Segmentation doubtful{labelled(half), labelled(grown(kObject, 8)) * 255};
+  EXPECT_EQ(differing(refineOnDepth(doubtful, officeLabels(), frame, withStride(1)), labelled(kObject)), 0);
+  RefinementConfig config = withStride(1);
+  config.weak_share = 0.6;  // more than the half that is certain
+  EXPECT_EQ(differing(refineOnDepth(doubtful, officeLabels(), frame, config), labelled(half)), 0);
+}
+
 TEST(DepthRefiner, ForgetsOneFrameBeforeTheNext) {
   DepthRefiner refiner({});
   const RgbdFrame first = frameOf(wallWith(kObject)), second = frameOf(wallWith({5, 5, 30, 30}));
   const cv::Mat1b labels = labelled(grown({5, 5, 30, 30}, 4));
-  const cv::Mat1b alone = refiner.refine(labels, officeLabels(), second);
-  refiner.refine(labelled(grown(kObject, 8)), officeLabels(), first);
-  EXPECT_EQ(differing(refiner.refine(labels, officeLabels(), second), alone), 0);
+  const cv::Mat1b alone = refiner.refine({labels}, officeLabels(), second);
+  refiner.refine({labelled(grown(kObject, 8))}, officeLabels(), first);
+  EXPECT_EQ(differing(refiner.refine({labels}, officeLabels(), second), alone), 0);
   EXPECT_THROW(DepthRefiner(RefinementConfig{true, -1.0}), ConfigError);
 }
 

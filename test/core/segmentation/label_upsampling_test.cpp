@@ -70,6 +70,31 @@ TEST(UpsampleBestLabels, ShowsOnlyTheRegionOfALetterbox) {
   EXPECT_EQ(cv::countNonZero(labels == 1), 30);
 }
 
+TEST(UpsampleLikely, AddsTheClassesOfTheLabelAndComparesBetweenCells) {
+  // Softmax of (0, 0, ln 2) is (1/4, 1/4, 1/2): the first two together are as likely as the third; right, by far less.
+  const std::vector<float> scores{0, 0, 0, 0, 0.693147F, 10};
+  const LogitGrid grid{scores.data(), 3, {2, 1}, 2, 1};
+  const auto widthOf = [&grid](float least) {
+    return cv::countNonZero(upsampleLikely(grid, {0, 0, 2, 1}, {40, 1}, {1, 1, 2}, 1, least));
+  };
+  EXPECT_EQ(widthOf(0.501F), 0);
+  EXPECT_EQ(widthOf(0.499F), 10);  // up to the first cell's centre
+  EXPECT_EQ(widthOf(0.25F), 20);   // half way
+  EXPECT_EQ(widthOf(1e-6F), 40);
+}
+
+TEST(UpsampleLikely, TakesBothLayoutsAndScoresOfAnySize) {
+  const RandomScores scores;
+  const std::vector<std::uint8_t> lut{0, 1, 2, 3, 4};
+  const cv::Mat1b a = upsampleLikely(scores.planar(), {0, 0, 9, 7}, {30, 20}, lut, 2, 0.2F);
+  const cv::Mat1b b = upsampleLikely(scores.interleaved(), {0, 0, 9, 7}, {30, 20}, lut, 2, 0.2F);
+  EXPECT_EQ(cv::countNonZero(a != b), 0);
+  EXPECT_GT(cv::countNonZero(a), 0);
+  EXPECT_LT(cv::countNonZero(a), 600);
+  const std::vector<float> huge{1000, -1000};  // overflows a softmax that does not take the largest off
+  EXPECT_EQ(upsampleLikely({huge.data(), 2, {1, 1}, 1, 1}, {0, 0, 1, 1}, {1, 1}, {0, 1}, 0, 0.9F)(0), 255);
+}
+
 TEST(UpsampleLabels, TakesTheNearestCell) {
   const cv::Mat1b labels = (cv::Mat1b(1, 3) << 1, 2, 3);
   const cv::Mat1b whole = upsampleLabels(labels, {0, 0, 3, 1}, {6, 2});

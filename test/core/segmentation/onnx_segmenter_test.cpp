@@ -47,7 +47,7 @@ cv::Mat3b threeColours(cv::Size size) {
 
 TEST(OnnxSegmenter, LabelsByLogitsAtTheImagesOwnSize) {
   const auto segmenter = makeOnnxSegmenter(configOf("tiny_logits.onnx", kLogits));
-  const cv::Mat1b labels = segmenter->segment(threeColours({480, 320}));
+  const cv::Mat1b labels = segmenter->segment(threeColours({480, 320})).labels;
   ASSERT_EQ(labels.size(), cv::Size(480, 320));
   EXPECT_EQ(labels(160, 80), 0);                        // red is nothing we know
   EXPECT_EQ(labels(160, 240), 1);                       // green
@@ -58,22 +58,22 @@ TEST(OnnxSegmenter, LabelsByLogitsAtTheImagesOwnSize) {
 
 TEST(OnnxSegmenter, LabelsByLabels) {
   const auto segmenter = makeOnnxSegmenter(configOf("tiny_labels.onnx", kLabels));
-  const cv::Mat1b labels = segmenter->segment(threeColours({96, 64}));
+  const cv::Mat1b labels = segmenter->segment(threeColours({96, 64})).labels;
   EXPECT_EQ(cv::countNonZero(labels == 1), 64 * 32);  // only red has a bright first channel
   EXPECT_EQ(labels(30, 10), 1);
 }
 
 TEST(OnnxSegmenter, GivesTheSameLabelsTwice) {
   const auto segmenter = makeOnnxSegmenter(configOf("tiny_logits.onnx", kLogits));
-  const cv::Mat1b first = segmenter->segment(threeColours({100, 70})).clone();
+  const cv::Mat1b first = segmenter->segment(threeColours({100, 70})).labels.clone();
   segmenter->segment(cv::Mat3b(64, 64, cv::Vec3b(1, 2, 3)));
-  EXPECT_EQ(cv::countNonZero(first != segmenter->segment(threeColours({100, 70}))), 0);
+  EXPECT_EQ(cv::countNonZero(first != segmenter->segment(threeColours({100, 70})).labels), 0);
 }
 
 TEST(OnnxSegmenter, FallsBackToTheCpu) {
   SegmentationConfig config = configOf("tiny_logits.onnx", kLogits);
   config.provider = "cuda";
-  EXPECT_EQ(makeOnnxSegmenter(config)->segment(threeColours({48, 32}))(16, 24), 1);
+  EXPECT_EQ(makeOnnxSegmenter(config)->segment(threeColours({48, 32})).labels(16, 24), 1);
 }
 
 TEST(OnnxSegmenter, RunsTheUsualExportOfACocoNetwork) {
@@ -83,7 +83,7 @@ TEST(OnnxSegmenter, RunsTheUsualExportOfACocoNetwork) {
   cv::Mat3b noise(48, 64);
   cv::RNG rng(5);
   rng.fill(noise, cv::RNG::UNIFORM, 0, 256);
-  const cv::Mat1b labels = segmenter->segment(noise);
+  const cv::Mat1b labels = segmenter->segment(noise).labels;
   EXPECT_EQ(labels.size(), noise.size());
   double largest = 0.0;
   cv::minMaxLoc(labels, nullptr, &largest);
@@ -152,7 +152,7 @@ TEST(OnnxSegmenter, RunsTheNetworkOfThePackage) {
   const auto segmenter = makeOnnxSegmenter(config);
   ASSERT_EQ(segmenter->labels().size(), 11U);
   EXPECT_EQ(segmenter->labels().classes[1].name, "person");
-  const cv::Mat1b labels = segmenter->segment(threeColours({64, 48}));
+  const cv::Mat1b labels = segmenter->segment(threeColours({64, 48})).labels;
   EXPECT_EQ(labels.size(), cv::Size(64, 48));
   double largest = 0.0;
   cv::minMaxLoc(labels, nullptr, &largest);
@@ -166,7 +166,7 @@ TEST(OnnxSegmenter, FindsThePeopleOfAPhotograph) {
   const std::string truth = sharedPath("data/coco128_train/masks/000000000036.png");
   if (config.model.empty() || photograph.empty() || truth.empty()) GTEST_SKIP() << "needs ../shared/data";
   const auto segmenter = makeOnnxSegmenter(config);
-  const cv::Mat1b person = segmenter->segment(cv::imread(photograph)) == 1;
+  const cv::Mat1b person = segmenter->segment(cv::imread(photograph)).labels == 1;
   const cv::Mat1b expected = cv::imread(truth, cv::IMREAD_UNCHANGED) == 1;
   const double iou = static_cast<double>(cv::countNonZero(person & expected)) / cv::countNonZero(person | expected);
   EXPECT_GT(iou, 0.7);

@@ -19,11 +19,11 @@ class FixedSegmenter : public Segmenter {
  public:
   explicit FixedSegmenter(bool* fail) : fail_(fail) {}
   const LabelSet& labels() const override { return labels_; }
-  cv::Mat1b segment(const cv::Mat3b& bgr) override {
+  Segmentation segment(const cv::Mat3b& bgr) override {
     if (*fail_) throw ModelError("network 'fixed' fails");
     cv::Mat1b labels(bgr.size(), std::uint8_t{0});
     labels(cv::Rect(kBox.x - 5, kBox.y - 5, kBox.width + 10, kBox.height + 10)).setTo(1);
-    return labels;
+    return {labels};
   }
 
  private:

@@ -11,6 +11,7 @@
 #include "semantic_vslam/core/common/rng.h"
 #include "semantic_vslam/core/segmentation/label_set.h"
 #include "semantic_vslam/core/segmentation/region_growth.h"
+#include "semantic_vslam/core/segmentation/segmenter.h"
 
 namespace semantic_vslam {
 
@@ -26,10 +27,13 @@ struct RefinementConfig {
   double min_region_share = 0.02;
   double min_thickness_px = 12.0;
   double object_depth_m = 0.5;
+  double weak_share = 0.4;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.flag("enabled", enabled, "false: the network's masks are used as they are");
+    v.field("weak_share", weak_share, 0.0, 1.0,
+            "a surface of which this share is a person, and the rest may be one (weak_person), is a person as a whole");
     v.field("epsilon", epsilon, 0.1, 100.0, "eq. (4): growth crosses steps below epsilon times the mask's mean step");
     v.field("samples", samples, 1, 10000, "eq. (3): random pixels of a mask that its mean step is taken from");
     v.choice("average", average, {"mean", "median"},
@@ -66,7 +70,8 @@ double neighbourDistance(const cv::Mat1i& mask, int mask_id, const int* pixels, 
 /// nearest pixel of it with depth, the region grows over 8 neighbours inside the mask while their 3-D distance is below
 /// T = epsilon * rho, eq. (4), with rho of eq. (3). What is not reached becomes background. Linear in the image's size.
 ///
-/// Beyond the paper, since masks are not always convex and depth not always whole:
+/// Beyond the paper, people are given before what the network is in doubt about on their surface (PeopleCompletion),
+/// and since masks are not always convex and depth not always whole:
 /// - a part that the growth cannot reach (an arm before the body, a person behind a chair's leg) is grown from a seed
 ///   of its own and stays if it is large and thick enough and about as far away (min_region_share, min_thickness_px,
 ///   object_depth_m). If the centroid fell on something small, the mask's largest region takes the seed's place;
@@ -85,18 +90,20 @@ class DepthRefiner {
   DepthRefiner(DepthRefiner&&) noexcept;
   DepthRefiner& operator=(DepthRefiner&&) noexcept;
 
-  /// @param labels  height x width, indices into label_set; @param frame  of the same size
+  /// @param segmentation  indices into label_set; @param frame  of the same size
   /// @return refined labels, same size.
-  cv::Mat1b refine(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame);
+  cv::Mat1b refine(const Segmentation& segmentation, const LabelSet& label_set, const RgbdFrame& frame);
 
  private:
+  cv::Mat1b cut(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame);
+
   struct Buffers;            // kept between frames: to fetch fresh memory takes as long as the work itself
   RefinementConfig config_;  ///< its lengths and areas are in px of the grid
   std::unique_ptr<Buffers> buffers_;
 };
 
 /// One frame refined by a DepthRefiner of its own.
-cv::Mat1b refineOnDepth(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame,
+cv::Mat1b refineOnDepth(const Segmentation& segmentation, const LabelSet& label_set, const RgbdFrame& frame,
                         const RefinementConfig& config);
 
 }  // namespace semantic_vslam

@@ -30,6 +30,13 @@ struct LabelSet {
   Mobility mobility(std::uint8_t label) const {
     return label < classes.size() ? classes[label].mobility : Mobility::kStatic;
   }
+  /// @return the first label that is a person; 0 if none is.
+  std::uint8_t person() const {
+    for (std::size_t label = 1; label < classes.size(); ++label) {
+      if (classes[label].mobility == Mobility::kPerson) return static_cast<std::uint8_t>(label);
+    }
+    return 0;
+  }
 };
 
 }  // namespace semantic_vslam

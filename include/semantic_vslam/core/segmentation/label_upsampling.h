@@ -28,6 +28,12 @@ struct LogitGrid {
 cv::Mat1b upsampleBestLabels(const LogitGrid& grid, const cv::Rect2d& region, const cv::Size& size,
                              const std::vector<std::uint8_t>& lut);
 
+/// Where classes of one label together are at least so likely (softmax over the scores, up-sampled bilinearly).
+/// @param region, size, lut  as of upsampleBestLabels()
+/// @return 255 there, else 0, size.height x size.width
+cv::Mat1b upsampleLikely(const LogitGrid& grid, const cv::Rect2d& region, const cv::Size& size,
+                         const std::vector<std::uint8_t>& lut, std::uint8_t label, float least);
+
 /// Nearest-neighbour up-sampling of a region of a label image, in its pixels.
 cv::Mat1b upsampleLabels(const cv::Mat1b& labels, const cv::Rect2d& region, const cv::Size& size);
 

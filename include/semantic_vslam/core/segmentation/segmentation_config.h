@@ -17,6 +17,7 @@ struct SegmentationConfig {
   int threads = 1;
   int arena_mb = 512;
   double longest_gap_s = 0.5;
+  double weak_person = 0.1;
   double phi = 0.4;
   RefinementConfig refinement;
 
@@ -44,6 +45,9 @@ struct SegmentationConfig {
         "a frame is segmented this long after the last one although it is no keyframe, s: a robot that stands still "
         "makes none, and who then stops in front of it must not be forgotten. With the network's own time it should "
         "stay below 0.9 s, after which a mask gives way to a surface at rest");
+    v.field("weak_person", weak_person, 0.001, 1.0,
+            "what is this likely to be a person, although something else is likelier, becomes one where depth puts it "
+            "on a person's surface (refinement.weak_share); 1: never");
     v.group("refinement", refinement);
   }
 

@@ -9,14 +9,20 @@
 
 namespace semantic_vslam {
 
+/// What a network says about an image; both of the image's size.
+struct Segmentation {
+  cv::Mat1b labels;         ///< best class of each pixel: indices into the network's label set
+  cv::Mat1b weak_people{};  ///< 255 where a person is likely enough to be looked at (weak_person); empty: not known
+};
+
 /// A semantic network. Implementations are not thread-safe: one caller at a time.
 class Segmenter {
  public:
   virtual ~Segmenter() = default;
   virtual const LabelSet& labels() const = 0;
   /// @param bgr  height x width, 8-bit BGR, any size
-  /// @return label image of the same size: indices into labels(). @throws ModelError if the network fails at run time.
-  virtual cv::Mat1b segment(const cv::Mat3b& bgr) = 0;
+  /// @throws ModelError if the network fails at run time.
+  virtual Segmentation segment(const cv::Mat3b& bgr) = 0;
 };
 
 }  // namespace semantic_vslam

@@ -497,7 +497,8 @@ def main():
     source.add_argument("--sequence", metavar="DIR", help="TUM RGB-D folder to play")
     source.add_argument("--bag", metavar="FILE", help="bag with the topics of the TUM benchmark's")
     parser.add_argument("--camera", metavar="FILE", help="cfg/cameras/*.yaml in place of the recording's calibration")
-    parser.add_argument("--model", metavar="FILE", default="", help="semantic network (.onnx); without: motion alone")
+    parser.add_argument("--model", metavar="FILE", default=os.path.join(ROOT, "models", "bisenetv2_indoor.onnx"),
+                        help="semantic network (.onnx), the package's own otherwise; '': motion alone")
     parser.add_argument("--config", metavar="FILE", default="", help="YAML with keys of any stage")
     parser.add_argument("--nodes", action="store_true", help="one process for each stage in place of nodelets")
     parser.add_argument("--out", metavar="DIR", default=os.path.join(ROOT, "out", "demo"))

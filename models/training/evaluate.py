@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scores a checkpoint on the held-back fold of labelled folders: IoU per class.
+"""Scores a checkpoint, or a network exported from one, on the held-back fold of labelled folders: IoU per class.
 
-usage: evaluate.py CHECKPOINT.pt DIR ... [--size WIDTHxHEIGHT] [--all] [--pictures DIR] [--json]
+usage: evaluate.py CHECKPOINT.pt|NETWORK.onnx DIR ... [--size WIDTHxHEIGHT] [--all] [--pictures DIR] [--json]
 """
 import argparse
 import json
@@ -15,7 +15,7 @@ import numpy as np
 import scores
 from classes import CLASSES
 from dataset import LabelledFolder
-from network_file import load_network
+from network_file import OnnxNetwork, load_network
 from train import parse_size
 
 COLOURS = np.array([colour for _, _, colour in CLASSES], np.uint8)
@@ -23,14 +23,19 @@ COLOURS = np.array([colour for _, _, colour in CLASSES], np.uint8)
 
 def main(argv=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('checkpoint')
+    parser.add_argument('network', help='.pt of train.py or .onnx')
     parser.add_argument('folders', nargs='+')
-    parser.add_argument('--size', type=parse_size, help="of the network's input, px; that of the training otherwise")
+    parser.add_argument('--size', type=parse_size, help="of a checkpoint's input, px; that of the training otherwise")
     parser.add_argument('--all', action='store_true', help='every image, also those of the training')
     parser.add_argument('--pictures', help='folder for overlays')
     parser.add_argument('--json', action='store_true')
     args = parser.parse_args(argv)
-    model, checkpoint = load_network(args.checkpoint)
+    if args.network.endswith('.onnx'):
+        model = OnnxNetwork(args.network)
+        size = model.size
+    else:
+        model, checkpoint = load_network(args.network)
+        size = args.size or tuple(checkpoint['size'])
     folders = [LabelledFolder(folder) for folder in args.folders]
     if not args.all:
         folders = [folder.split(held_back=True) for folder in folders]
@@ -42,7 +47,7 @@ def main(argv=None):
 
     if args.pictures:
         os.makedirs(args.pictures, exist_ok=True)
-    iou = scores.evaluate(model, folders, args.size or tuple(checkpoint['size']), on_image=draw if args.pictures else None)
+    iou = scores.evaluate(model, folders, size, on_image=draw if args.pictures else None)
     result = {'images': sum(len(f) for f in folders), 'mean_iou': scores.mean_iou(iou), 'iou': iou}
     if args.json:
         print(json.dumps(result, indent=1))

@@ -3,9 +3,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Writes a checkpoint as ONNX with its sidecar: OUT.onnx and OUT.yaml, ready for segmentation.model.
 
-usage: export.py CHECKPOINT.pt OUT.onnx [--size WIDTHxHEIGHT] [--half]     (the size of the training otherwise)
+usage: export.py CHECKPOINT.pt OUT.onnx [--size WIDTHxHEIGHT] [--small]    (the size of the training otherwise)
 
---half stores the weights in 16 bits, half the file; the network still computes in 32 (needs the Python package onnx).
+--small stores the weights in 8 bits, a quarter of the file; the network still computes in float (needs the Python package onnx).
 """
 import argparse
 import inspect
@@ -30,24 +30,30 @@ def export(model, path, size):
     write_sidecar(os.path.splitext(path)[0] + '.yaml', size, 'BiSeNet V2, indoor classes')
 
 
-def store_half(path):
-    """Turns the weights of an ONNX file to float16, each with a cast back, which the runtime folds when it loads them."""
+def store_small(path):
+    """Turns the convolutions' weights of an ONNX file to 8 bits, with a scale for each output channel. They are turned back when
+    the network runs; its values in between stay in 32 bits, which quantize.py changes too."""
     try:
         import onnx
     except ImportError as error:
-        raise SystemExit(f'{error}: --half needs `pip install onnx`') from None
+        raise SystemExit(f'{error}: --small needs `pip install onnx`') from None
     model = onnx.load(path)
-    casts = []
+    kept, nodes = [], []
     for weights in model.graph.initializer:
-        if weights.data_type != onnx.TensorProto.FLOAT:
-            continue
-        name = weights.name
         values = onnx.numpy_helper.to_array(weights)
-        weights.CopyFrom(onnx.numpy_helper.from_array(values.astype(np.float16), name + '_half'))
-        casts.append(onnx.helper.make_node('Cast', [name + '_half'], [name], to=onnx.TensorProto.FLOAT))
-    nodes = casts + list(model.graph.node)
-    del model.graph.node[:]
+        if values.ndim != 4:
+            kept.append(weights)
+            continue
+        largest = np.abs(values).max(axis=(1, 2, 3))
+        scale = np.where(largest > 0, largest / 127, 1).astype(np.float32)
+        small = np.rint(values / scale[:, None, None, None]).astype(np.int8)
+        names = [weights.name + '_8', weights.name + '_scale']
+        kept += [onnx.numpy_helper.from_array(array, name) for array, name in zip((small, scale), names)]
+        nodes.append(onnx.helper.make_node('DequantizeLinear', names, [weights.name], axis=0))
+    nodes += list(model.graph.node)
+    del model.graph.node[:], model.graph.initializer[:]
     model.graph.node.extend(nodes)
+    model.graph.initializer.extend(kept)
     onnx.checker.check_model(model)
     onnx.save(model, path)
 
@@ -57,14 +63,14 @@ def main(argv=None):
     parser.add_argument('checkpoint')
     parser.add_argument('out')
     parser.add_argument('--size', type=parse_size)
-    parser.add_argument('--half', action='store_true')
+    parser.add_argument('--small', action='store_true')
     args = parser.parse_args(argv)
     if not args.out.endswith('.onnx'):
         raise SystemExit(f"'{args.out}' must end in .onnx")
     model, checkpoint = load_network(args.checkpoint)
     export(model, args.out, args.size or tuple(checkpoint['size']))
-    if args.half:
-        store_half(args.out)
+    if args.small:
+        store_small(args.out)
     print(f'{args.out}: {os.path.getsize(args.out) / 1e6:.1f} MB, step {checkpoint["step"]}')
 
 

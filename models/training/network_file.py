@@ -40,6 +40,28 @@ def load_network(path):
     return model.eval(), checkpoint
 
 
+class OnnxNetwork:
+    """An exported network, float or quantised, called as a checkpoint's is; its size is fixed."""
+
+    def __init__(self, path):
+        try:
+            import onnxruntime
+        except ImportError as error:
+            raise SystemExit(f"{error}: to run '{path}' needs `pip install onnxruntime`") from None
+        try:
+            self.session = onnxruntime.InferenceSession(path, providers=['CPUExecutionProvider'])
+        except Exception as error:  # the runtime's own classes
+            raise SystemExit(f"network '{path}' cannot be loaded: {error}") from None
+        height, width = self.session.get_inputs()[0].shape[2:]
+        self.size = (width, height)
+
+    def eval(self):
+        return self
+
+    def __call__(self, images):
+        return torch.from_numpy(self.session.run(None, {self.session.get_inputs()[0].name: images.numpy()})[0])
+
+
 def load_weights(model, path):
     """Gives a model to train the weights of a checkpoint's averaged network or of a network that export.py wrote. What they
     lack, the heads that only training has, stays as it is. Ends the program if the file is none of these or does not fit."""
@@ -56,8 +78,11 @@ def load_weights(model, path):
             raise SystemExit(f"'{path}' is no ONNX file: {error}") from None
         found = {w.name: torch.tensor(onnx.numpy_helper.to_array(w)).float() for w in graph.initializer}
         for node in graph.node:
-            if node.op_type in ('Cast', 'Identity') and node.input[0] in found:  # from 16 bits; equal ones are stored once
+            if node.op_type == 'Identity' and node.input[0] in found:  # equal ones are stored once
                 found[node.output[0]] = found[node.input[0]]
+            elif node.op_type == 'DequantizeLinear' and set(node.input) <= found.keys():  # export.py --small
+                weights, scale = (found[name] for name in node.input)
+                found[node.output[0]] = weights * scale.reshape(-1, *[1] * (weights.ndim - 1))
     else:
         found = load_checkpoint(path)['average']
     wanted = model.state_dict()

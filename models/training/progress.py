@@ -19,9 +19,11 @@ class Bar:
         if done < 1 and now - self.shown < (0.2 if terminal else 30):
             return
         self.shown = now
-        left = (now - self.start) / max(1e-9, done - self.first) * (1 - done)
+        left = ''
+        if done - self.first > 0.001:  # a run that goes on knows nothing of the time before
+            left = f', {_clock((now - self.start) / (done - self.first) * (1 - done))} left'
         filled = int(30 * done)
-        line = f"[{'#' * filled}{'.' * (30 - filled)}] {100 * done:.1f} % {text}, {_clock(left)} left"
+        line = f"[{'#' * filled}{'.' * (30 - filled)}] {100 * done:.1f} % {text}{left}"
         print(('\r' + line + '\x1b[K') if terminal else line, end='\n' if not terminal or done >= 1 else '',
               file=sys.stderr, flush=True)
 

@@ -32,6 +32,7 @@ try:
     import evaluate
     import export
     import network_file
+    import quantize
     import scores
     import train
 except ImportError:
@@ -40,6 +41,10 @@ try:
     import onnx
 except ImportError:
     onnx = None
+try:
+    import onnxruntime
+except ImportError:
+    onnxruntime = None
 
 SIZE = (96, 64)
 
@@ -413,11 +418,44 @@ class Training(unittest.TestCase):
         with open(os.path.join(self.out, 'net.yaml'), encoding='utf-8') as text:
             self.assertIn('width: 96', text.read())
 
+    @unittest.skipIf(onnx is None or onnxruntime is None, 'needs onnx and onnxruntime')
+    def test_an_exported_and_a_quantised_network_score_as_the_checkpoint_does(self):
+        self.train(5)
+        checkpoint = os.path.join(self.out, 'last.pt')
+        network, small = os.path.join(self.out, 'net.onnx'), os.path.join(self.out, 'net8.onnx')
+        export.main([checkpoint, network])
+        quantize.main([network, small, os.path.join(self.data, 'images'), '--count', '4'])
+        self.assertLess(os.path.getsize(small), 0.4 * os.path.getsize(network))
+        expected = evaluate.main([checkpoint, self.data, '--all'])['iou']
+        for path, tolerance in ((network, 1e-3), (small, 0.05)):
+            found = evaluate.main([path, self.data, '--all'])['iou']
+            for name in ('background', 'person'):
+                self.assertAlmostEqual(found.get(name, 0), expected.get(name, 0), delta=tolerance, msg=path)
+        with self.assertRaisesRegex(SystemExit, 'cannot be loaded'):
+            evaluate.main([os.path.join(self.out, 'none.onnx'), self.data])
+        with self.assertRaisesRegex(SystemExit, 'holds no .jpg or .png'):
+            quantize.main([network, small, self.folder.name])
+
+    @unittest.skipIf(onnx is None or onnxruntime is None, 'needs onnx and onnxruntime')
+    def test_ranges_of_activations_leave_the_rare_giants_out(self):
+        helper, float32 = onnx.helper, onnx.TensorProto.FLOAT
+        ends = [helper.make_tensor_value_info(name, float32, [1, 1, 200, 100]) for name in ('image', 'out')]
+        graph = helper.make_graph([helper.make_node('Neg', ['image'], ['out'], name='n')], 'g', ends[:1], ends[1:])
+        path = os.path.join(self.folder.name, 'neg.onnx')
+        onnx.save(helper.make_model(graph, opset_imports=[helper.make_opsetid('', 13)], ir_version=8), path)
+        images = np.random.default_rng(3).uniform(0, 1, (20, 1, 1, 200, 100)).astype(np.float32)
+        images[:, 0, 0, 0, 0] = 50  # a pixel of 20000 in each image,
+        images[7] *= 1000           # and all of one image in twenty
+        reader = mock.Mock(get_next=mock.Mock(side_effect=[{'image': image} for image in images] + [None]))
+        low, high = quantize.activation_ranges(path, reader)['out']
+        self.assertAlmostEqual(low, -1, delta=0.01)
+        self.assertLess(high, 0.01)
+
     def test_begins_with_the_weights_of_another_training_or_of_an_exported_network(self):
         self.train(5)
         files = [os.path.join(self.out, 'last.pt')]
         if onnx is not None:
-            for options in ([], ['--half']):
+            for options in ([], ['--small']):
                 files.append(os.path.join(self.out, f'net{len(files)}.onnx'))
                 export.main([files[0], files[-1], *options])
         image = torch.rand(1, 3, 64, 96)
@@ -426,7 +464,7 @@ class Training(unittest.TestCase):
             for path in files:
                 self.out = os.path.join(self.folder.name, 'from_' + os.path.basename(path))
                 model = train.Training(train.arguments(self.arguments(1, '--from', path))).model.eval()
-                self.assertLess((model(image) - expected).abs().max(), 1e-2 * expected.abs().max(), path)
+                self.assertLess((model(image) - expected).abs().max(), 3e-2 * expected.abs().max(), path)
                 with self.assertRaisesRegex(SystemExit, 'is not this network'):
                     network_file.load_weights(bisenetv2.BiSeNetV2(len(NAMES), 64), path)
 

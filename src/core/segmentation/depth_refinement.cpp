@@ -304,9 +304,9 @@ DepthRefiner& DepthRefiner::operator=(DepthRefiner&&) noexcept = default;
 cv::Mat1b DepthRefiner::refine(const Segmentation& segmentation, const LabelSet& label_set, const RgbdFrame& frame) {
   assert(segmentation.labels.size() == frame.depth_m.size());
   if (!config_.enabled) return segmentation.labels.clone();
-  const bool complete = !segmentation.weak_people.empty() && label_set.person() != 0;
-  return cut(complete ? buffers_->completion.complete(segmentation, label_set.person(), frame) : segmentation.labels,
-             label_set, frame);
+  const cv::Mat1b labels = cut(segmentation.labels, label_set, frame);
+  if (segmentation.weak_people.empty() || label_set.person() == 0) return labels;
+  return buffers_->completion.complete({labels, segmentation.weak_people}, label_set.person(), frame);
 }
 
 cv::Mat1b DepthRefiner::cut(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame) {

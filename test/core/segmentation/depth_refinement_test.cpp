@@ -237,7 +237,7 @@ TEST(RefineOnDepth, KeepsAMaskThatIsTooSmallForItsSurface) {
   EXPECT_EQ(differing(refine(inside, standingOnAFloor(kObject)), inside), 0);
 }
 
-TEST(DepthRefiner, CompletesPeopleBeforeItCuts) {
+TEST(DepthRefiner, CompletesPeople) {
   cv::Rect half = kObject;
   half.height /= 2;
   const RgbdFrame frame = frameOf(wallWith(kObject));

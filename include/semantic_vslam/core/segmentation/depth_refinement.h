@@ -70,8 +70,8 @@ double neighbourDistance(const cv::Mat1i& mask, int mask_id, const int* pixels, 
 /// nearest pixel of it with depth, the region grows over 8 neighbours inside the mask while their 3-D distance is below
 /// T = epsilon * rho, eq. (4), with rho of eq. (3). What is not reached becomes background. Linear in the image's size.
 ///
-/// Beyond the paper, people are given before what the network is in doubt about on their surface (PeopleCompletion),
-/// and since masks are not always convex and depth not always whole:
+/// Beyond the paper, people are given what the network is in doubt about on their surface (PeopleCompletion), and since
+/// masks are not always convex and depth not always whole:
 /// - a part that the growth cannot reach (an arm before the body, a person behind a chair's leg) is grown from a seed
 ///   of its own and stays if it is large and thick enough and about as far away (min_region_share, min_thickness_px,
 ///   object_depth_m). If the centroid fell on something small, the mask's largest region takes the seed's place;

@@ -33,6 +33,8 @@ def main(argv=None):
     if args.network.endswith('.onnx'):
         model = OnnxNetwork(args.network)
         size = model.size
+        if args.size and args.size != size:
+            raise SystemExit(f"'{args.network}' takes {size[0]}x{size[1]} and no other --size")
     else:
         model, checkpoint = load_network(args.network)
         size = args.size or tuple(checkpoint['size'])

@@ -53,6 +53,9 @@ class OnnxNetwork:
         except Exception as error:  # the runtime's own classes
             raise SystemExit(f"network '{path}' cannot be loaded: {error}") from None
         height, width = self.session.get_inputs()[0].shape[2:]
+        classes = self.session.get_outputs()[0].shape[1]
+        if classes != len(NAMES):
+            raise SystemExit(f"network '{path}' gives {classes} classes, must give our {len(NAMES)}")
         self.size = (width, height)
 
     def eval(self):

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "semantic_vslam/core/camera/depth_quantum.h"
+
 namespace semantic_vslam {
 namespace {
 
@@ -95,7 +97,7 @@ struct InverseDepthLine {
   }
   /// @param step  1: the mask's first pixel
   bool meets(float z, int step) const {
-    constexpr float kTolerance = 3.0F * 2.85e-3F;  // three quanta of a structured-light camera: 9 mm at 1 m
+    constexpr auto kTolerance = static_cast<float>(3.0 * kKinectStepPerM2);  // three quanta: 9 mm at 1 m
     return std::abs(1.0F / z - offset - slope * static_cast<float>(step)) < kTolerance;
   }
 };

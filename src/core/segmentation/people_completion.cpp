@@ -6,19 +6,20 @@
 #include <cassert>
 #include <cmath>
 
+#include "semantic_vslam/core/camera/depth_quantum.h"
 #include "semantic_vslam/core/segmentation/block_grid.h"
 
 namespace semantic_vslam {
 namespace {
 
 /// How far two depths beside each other on one surface may lie apart: a surface turned away from the camera by 60
-/// degrees, and one quantum of a structured-light camera (2.85e-3 z^2, Khoshelham and Elberink 2012).
+/// degrees, and one quantum of a structured-light camera.
 class SurfaceStep {
  public:
   /// @param px  between the two  @param focal_px  focal length
   SurfaceStep(int px, double focal_px) : slope_(static_cast<float>(1.732 * px / focal_px)) {}
   bool holds(float a_m, float b_m) const {
-    constexpr float kQuantumPerM2 = 2.85e-3F;
+    constexpr auto kQuantumPerM2 = static_cast<float>(kKinectStepPerM2);
     const float z = std::min(a_m, b_m);
     return std::abs(a_m - b_m) < z * (slope_ + kQuantumPerM2 * z);
   }

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "../support/quarter_vga.h"
+#include "semantic_vslam/core/camera/depth_quantum.h"
 #include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
@@ -241,7 +242,7 @@ TEST(DepthSensor, HasTheNoiseAndTheStepsOfAKinect) {
     const cv::Mat1f sensed = synthetic::senseDepth(wall, 525.0, sensor, 7);
     cv::Scalar mean, deviation;
     cv::meanStdDev(sensed, mean, deviation);
-    const double step = synthetic::kKinectStepPerM2 * z * z;
+    const double step = kKinectStepPerM2 * z * z;
     EXPECT_NEAR(mean[0], z, 0.2 * step);
     // Rounding to a step adds the variance of a uniform distribution, step^2 / 12.
     const double expected = std::hypot(synthetic::kinectSigma(z), step / std::sqrt(12.0));

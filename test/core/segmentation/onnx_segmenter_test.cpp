@@ -146,17 +146,20 @@ TEST(OnnxSegmenter, RefusesAConfigurationOutOfRange) {
   EXPECT_THROW(makeOnnxSegmenter(config), ConfigError);
 }
 
-TEST(OnnxSegmenter, RunsTheNetworkOfThePackage) {
-  SegmentationConfig config;
-  config.model = "bisenetv2_indoor.onnx";
-  const auto segmenter = makeOnnxSegmenter(config);
-  ASSERT_EQ(segmenter->labels().size(), 11U);
-  EXPECT_EQ(segmenter->labels().classes[1].name, "person");
-  const cv::Mat1b labels = segmenter->segment(threeColours({64, 48})).labels;
-  EXPECT_EQ(labels.size(), cv::Size(64, 48));
-  double largest = 0.0;
-  cv::minMaxLoc(labels, nullptr, &largest);
-  EXPECT_LT(largest, 11.0);
+TEST(OnnxSegmenter, RunsTheNetworksOfThePackage) {
+  for (const char* model : {"bisenetv2_indoor.onnx", "bisenetv2_indoor_float.onnx"}) {
+    SegmentationConfig config;
+    config.model = model;
+    const auto segmenter = makeOnnxSegmenter(config);
+    ASSERT_EQ(segmenter->labels().size(), 11U);
+    EXPECT_EQ(segmenter->labels().classes[1].name, "person");
+    const Segmentation segmentation = segmenter->segment(threeColours({64, 48}));
+    EXPECT_EQ(segmentation.labels.size(), cv::Size(64, 48));
+    EXPECT_EQ(segmentation.weak_people.size(), cv::Size(64, 48));
+    double largest = 0.0;
+    cv::minMaxLoc(segmentation.labels, nullptr, &largest);
+    EXPECT_LT(largest, 11.0);
+  }
 }
 
 TEST(OnnxSegmenter, FindsThePeopleOfAPhotograph) {

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "semantic_vslam/core/camera/depth_quantum.h"
 #include "semantic_vslam/core/common/rng.h"
 
 namespace semantic_vslam::synthetic {

@@ -22,8 +22,6 @@ struct SensorModel {
 
 /// Standard deviation of Kinect depth along z (Nguyen et al. 2012, axial noise). @param depth_m, result: metres
 inline double kinectSigma(double depth_m) { return 0.0012 + 0.0019 * (depth_m - 0.4) * (depth_m - 0.4); }
-/// Step between neighbouring Kinect depths: 1/8 px of disparity is 2.85e-3 z^2 (Khoshelham and Elberink 2012).
-constexpr double kKinectStepPerM2 = 2.85e-3;
 
 /// @param true_depth_m  0 = nothing there  @param focal_px of the camera  @param seed one a frame; same seed, same
 /// noise

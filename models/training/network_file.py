@@ -65,6 +65,18 @@ class OnnxNetwork:
         return torch.from_numpy(self.session.run(None, {self.session.get_inputs()[0].name: images.numpy()})[0])
 
 
+def weights_of_small(graph):
+    """@return {name: float32 array} of the weights that an ONNX graph of export.py --small stores in 8 bits"""
+    import onnx
+    stored = {weights.name: weights for weights in graph.initializer}
+    found = {}
+    for node in graph.node:
+        if node.op_type == 'DequantizeLinear' and set(node.input) <= stored.keys():
+            values, scale = (onnx.numpy_helper.to_array(stored[name]) for name in node.input)
+            found[node.output[0]] = values * scale.reshape(-1, *[1] * (values.ndim - 1))
+    return found
+
+
 def load_weights(model, path):
     """Gives a model to train the weights of a checkpoint's averaged network or of a network that export.py wrote. What they
     lack, the heads that only training has, stays as it is. Ends the program if the file is none of these or does not fit."""
@@ -80,12 +92,10 @@ def load_weights(model, path):
         except Exception as error:  # protobuf's own, of a class that differs between its versions
             raise SystemExit(f"'{path}' is no ONNX file: {error}") from None
         found = {w.name: torch.tensor(onnx.numpy_helper.to_array(w)).float() for w in graph.initializer}
+        found.update((name, torch.tensor(values)) for name, values in weights_of_small(graph).items())
         for node in graph.node:
             if node.op_type == 'Identity' and node.input[0] in found:  # equal ones are stored once
                 found[node.output[0]] = found[node.input[0]]
-            elif node.op_type == 'DequantizeLinear' and set(node.input) <= found.keys():  # export.py --small
-                weights, scale = (found[name] for name in node.input)
-                found[node.output[0]] = weights * scale.reshape(-1, *[1] * (weights.ndim - 1))
     else:
         found = load_checkpoint(path)['average']
     wanted = model.state_dict()

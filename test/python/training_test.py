@@ -437,6 +437,23 @@ class Training(unittest.TestCase):
             quantize.main([network, small, self.folder.name])
 
     @unittest.skipIf(onnx is None or onnxruntime is None, 'needs onnx and onnxruntime')
+    def test_a_network_prepared_for_quantising_computes_the_same_with_convolutions_that_are_fast(self):
+        self.train(5)
+        image = np.random.default_rng(3).uniform(-2, 2, (1, 3, 64, 96)).astype(np.float32)
+        for options in ([], ['--small']):
+            network, prepared = (os.path.join(self.out, name) for name in ('net.onnx', 'net.float'))
+            export.main([os.path.join(self.out, 'last.pt'), network, *options])
+            quantize.prepare(network, prepared)
+            expected, found = (onnxruntime.InferenceSession(path).run(None, {'image': image})[0] for path in (network, prepared))
+            self.assertLess(np.abs(found - expected).max(), 1e-3 * np.abs(expected).max())
+            graph = onnx.load(prepared).graph
+            outputs = {weights.name: weights.dims[0] for weights in graph.initializer}
+            groups = [(next(a.i for a in n.attribute if a.name == 'group'), outputs[n.input[1]])
+                      for n in graph.node if n.op_type == 'Conv']
+            self.assertTrue(all(group in (1, out) for group, out in groups), groups)
+            self.assertEqual(sum(n.op_type == 'BatchNormalization' for n in graph.node), 1)  # of the image's mean
+
+    @unittest.skipIf(onnx is None or onnxruntime is None, 'needs onnx and onnxruntime')
     def test_ranges_of_activations_leave_the_rare_giants_out(self):
         helper, float32 = onnx.helper, onnx.TensorProto.FLOAT
         ends = [helper.make_tensor_value_info(name, float32, [1, 1, 200, 100]) for name in ('image', 'out')]

@@ -15,7 +15,10 @@ PHOTOMETRIC = 0.5        # share of samples whose light and sharpness are change
 PERSON_ODDS = 0.6        # of a paste; the other classes share the rest
 MIN_CUTOUT_PX = 400      # smaller ones show too little of the object
 MIN_CUTOUT_SHARE = 0.35  # of its box: scattered pieces are no object
-MAX_CUTOUTS = 150        # a source and class; enough to vary, and bounded in memory
+MAX_CUTOUTS = 400        # a source and class; enough to vary, and bounded in memory
+NEAR = 0.4               # of the people pasted: so near that the image shows a part of the body
+BEHIND = 0.6             # of what is pasted where depth is known: behind what is nearer than some distance
+MAX_ENLARGED = 3.0       # times, of a cutout: beyond, cloth is a blur
 
 
 def crop(image, label, size, rng):
@@ -85,10 +88,11 @@ class Cutouts:
             for index in np.random.default_rng(len(source)).permutation(len(source)):
                 if not any(room.values()):
                     break
-                self._collect(*source.load(index), room)
+                self._collect(source.load(index), room)
         self.by_class = {c: cutouts for c, cutouts in self.by_class.items() if cutouts}
 
-    def _collect(self, image, label, hints, room):
+    def _collect(self, labelled, room):
+        image, label, hints, _ = labelled
         for c in PASTED:
             if not room[c] or not (label == c).any():
                 continue
@@ -101,16 +105,18 @@ class Cutouts:
                     self.by_class[c].append(Cutout(c, image[inside].copy(), mask, (x, y), label.shape, hints))
                     room[c] -= 1
 
-    def paste(self, image, label, hints, rng):
-        """Puts one to three cutouts in. People at any size, up to a body so near that the image shows only a part."""
+    def paste(self, image, label, hints, depth, rng):
+        """Puts one to three cutouts in. People at any size, up to a body so near that the image shows only a part; where there
+        is a depth image, behind what is nearer: people walk behind desks and screens too. @return image, label, hints"""
         if not self.by_class:
             return image, label, hints
+        depth = None if depth is None else depth.copy()
         for _ in range(rng.integers(1, 4)):
             others = [c for c in self.by_class if c != PERSON]
             person = PERSON in self.by_class and (not others or rng.random() < PERSON_ODDS)
             c = PERSON if person else others[rng.integers(len(others))]
             cutout = self.by_class[c][rng.integers(len(self.by_class[c]))]
-            image, label, hints = cutout.paste(image, label, hints, rng)
+            image, label, hints = cutout.paste(image, label, hints, depth, rng)
         return image, label, hints
 
 
@@ -119,10 +125,13 @@ class Cutout:
         """@param corner  (x, y) of the patch in the image it is from  @param shape, hints  of that image"""
         self.label, self.patch, self.mask, self.corner, self.shape, self.hints = label, patch, mask, corner, shape, hints
 
-    def paste(self, image, label, hints, rng):
+    def paste(self, image, label, hints, depth, rng):
+        """@param depth  HxW uint16, 0 where unknown, which gets the cutout's; or None  @return image, label, hints"""
         size = (label.shape[1], label.shape[0])
         warp = self._transformation(size, rng)
         alpha = cv2.warpAffine(self.mask.astype(np.float32), warp, size)
+        if depth is not None:
+            _hide(alpha, depth, rng)
         patch = relight(cv2.warpAffine(self.patch, warp, size, borderMode=cv2.BORDER_REFLECT_101), rng) * np.float32(255)
         soft = cv2.GaussianBlur(alpha, (0, 0), rng.uniform(0.5, 1.2))[..., None]
         image = np.clip(image + (patch - image) * soft, 0, 255).astype(np.uint8)
@@ -133,11 +142,17 @@ class Cutout:
         """@return 2x3, px of the patch -> px of the sample"""
         person = self.label == PERSON
         rows, columns = self.mask.shape
-        share = np.exp(rng.uniform(np.log(0.3), np.log(2.0)) if person else rng.uniform(np.log(0.08), np.log(0.6)))
-        scale = share * size[1] / max(rows, 0.7 * columns)
         angle = rng.uniform(-10, 10) if person else rng.uniform(-25, 25)
-        warp = cv2.getRotationMatrix2D((columns / 2, rows / 2), angle, scale)
-        warp[:, 2] += (rng.uniform(0, size[0]) - columns / 2, rng.uniform(0.2, 1.0) * size[1] - rows / 2)
+        to = (rng.uniform(0, size[0]), rng.uniform(0.2, 1.0) * size[1])
+        centre = (columns / 2, rows / 2)
+        if person and rng.random() < NEAR:
+            scale = min(MAX_ENLARGED, rng.uniform(0.3, 0.8) * size[0] / columns)
+            centre, to = (columns / 2, rng.uniform(0.2, 0.9) * rows), (to[0], size[1] / 2)
+        else:
+            share = np.exp(rng.uniform(np.log(0.3), np.log(2.0)) if person else rng.uniform(np.log(0.08), np.log(0.6)))
+            scale = share * size[1] / max(rows, 0.7 * columns)
+        warp = cv2.getRotationMatrix2D(centre, angle, scale)
+        warp[:, 2] += (to[0] - centre[0], to[1] - centre[1])
         if rng.random() < 0.5:
             warp = warp @ np.array([[-1, 0, columns - 1], [0, 1, 0], [0, 0, 1.0]])
         return warp
@@ -147,3 +162,13 @@ class Cutout:
         own = hint.of_sample(self.hints, self.shape, warp @ to_patch, size)
         covered = cv2.resize(alpha, (hints.shape[1], hints.shape[0]), interpolation=cv2.INTER_AREA) > 0.5
         return np.where(covered[..., None], own, hints)
+
+
+def _hide(alpha, depth, rng):
+    """Sets a cutout at some distance: what is nearer hides it. Both images are written to."""
+    known = depth[(alpha > 0.5) & (depth > 0)]
+    distance = 1  # nearer than all
+    if known.size and rng.random() < BEHIND:
+        distance = np.quantile(known, rng.uniform(0.2, 1.0))
+        alpha[(depth > 0) & (depth < distance)] = 0
+    depth[alpha > 0.5] = distance

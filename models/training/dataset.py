@@ -4,6 +4,7 @@
 import glob
 import os
 import re
+import typing
 import zlib
 
 import cv2
@@ -12,11 +13,19 @@ import torch
 
 import augment
 import hints as hint
-from classes import label_of_coco
+from classes import PERSON, label_of_coco
 
 IMAGE_FOLDERS = ('rgb', 'images')
 FOLD = 5  # every fifth image, by a hash of its name, is held back from training
 KEPT_BYTES = 2**30  # of a folder's decoded images in memory: to decode one takes longer than all that is done to it
+
+
+class LabelledImage(typing.NamedTuple):
+    """Not to be written to: a folder keeps it."""
+    image: np.ndarray           # HxWx3 uint8, RGB
+    label: np.ndarray           # HxW uint8
+    hints: typing.Optional[np.ndarray]  # hints.py
+    depth: typing.Optional[np.ndarray]  # HxW uint16, of any unit; 0: unknown
 
 
 class LabelledFolder:
@@ -24,7 +33,7 @@ class LabelledFolder:
 
     DIR/rgb or DIR/images, and DIR/labels (8-bit PNG, our class ids, 255 = ignore) or DIR/masks with DIR/config.yaml
     (COCO panoptic ids and their names). make_synthetic_bag --tum and label_images write the first form. Hints, where
-    DIR/hints has them (hints.py).
+    DIR/hints has them (hints.py), and depth, where DIR/depth has a 16-bit PNG of the same stem.
     """
 
     def __init__(self, folder):
@@ -58,10 +67,10 @@ class LabelledFolder:
         return len(self.pairs)
 
     def load(self, index):
-        """@return RGB image HxWx3 and label image HxW, both uint8, and hints or None; not to be written to."""
+        """@return the LabelledImage"""
         path, label_path = self.pairs[index]
         if path not in self.kept:
-            loaded = (*self._decode(path, label_path), hint.load(self.folder, os.path.splitext(os.path.basename(path))[0]))
+            loaded = self._decode(path, label_path)
             size = sum(array.nbytes for array in loaded if array is not None)
             if size > self.room:
                 return loaded
@@ -75,7 +84,18 @@ class LabelledFolder:
             raise SystemExit(f"'{path}' and '{label_path}' do not load or differ in size")
         if self.table is not None:
             label = self.table[label]
-        return cv2.cvtColor(image, cv2.COLOR_BGR2RGB), label
+        stem = os.path.splitext(os.path.basename(path))[0]
+        return LabelledImage(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), label, hint.load(self.folder, stem),
+                             self._depth(stem, label.shape))
+
+    def _depth(self, stem, shape):
+        path = os.path.join(self.folder, 'depth', stem + '.png')
+        if not os.path.exists(path):
+            return None
+        depth = cv2.imread(path, cv2.IMREAD_UNCHANGED)
+        if depth is None or depth.dtype != np.uint16 or depth.shape != shape:
+            raise SystemExit(f"'{path}' does not load, or is no 16-bit image of the size of its labels")
+        return depth
 
 
 def is_held_back(path):
@@ -98,6 +118,7 @@ class AugmentedSamples(torch.utils.data.Dataset):
     @param sources  [(LabelledFolder, weight)]: how often each is drawn from
     @param size     (width, height) of a sample, px
     @param count    samples in all
+    @param paste    share that cutouts are pasted into; twice it of the parts without people
     """
 
     def __init__(self, sources, size, count, seed=1, paste=0.5):
@@ -113,11 +134,14 @@ class AugmentedSamples(torch.utils.data.Dataset):
     def __getitem__(self, index):
         rng = np.random.default_rng((self.seed, index))
         source = self.sources[rng.choice(len(self.sources), p=self.odds)]
-        whole, whole_label, whole_hints = source.load(rng.integers(len(source)))
-        image, label, to_sample = augment.crop(whole, whole_label, self.size, rng)
-        hints = hint.of_sample(whole_hints, whole_label.shape, to_sample, self.size)
-        if rng.random() < self.paste:
-            image, label, hints = self.cutouts.paste(image, label, hints, rng)
+        whole = source.load(rng.integers(len(source)))
+        image, label, to_sample = augment.crop(whole.image, whole.label, self.size, rng)
+        hints = hint.of_sample(whole.hints, whole.label.shape, to_sample, self.size)
+        if rng.random() < (self.paste if (label == PERSON).any() else 2 * self.paste):
+            depth = whole.depth
+            if depth is not None:
+                depth = cv2.warpAffine(depth, to_sample, self.size, flags=cv2.INTER_NEAREST)
+            image, label, hints = self.cutouts.paste(image, label, hints, depth, rng)
         if rng.random() < augment.PHOTOMETRIC:
             image = augment.photometric(image, rng)
         return planar(image), torch.from_numpy(label), planar(hints)

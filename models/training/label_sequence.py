@@ -9,7 +9,8 @@ OBJECTS.yaml lists flat outlines ({frame, label, outline: [[u, v], ...] in px}),
 Every outline is laid on the plane through its depths and carried to every frame by the true poses, the far ones first.
 Other places on the table top's plane are table, above it clutter, all others background; without depth they are unknown. LABELS is
 a folder of label images by a network that knows people and chairs; what it names those outside the outlines becomes that,
-and where it names another thing there, the truth is taken as unknown. OUT gets images/ and labels/, as train.py reads them.
+and where it names another thing there, the truth is taken as unknown. OUT gets images/, labels/ and depth/, as train.py
+reads them.
 """
 import argparse
 import os
@@ -150,7 +151,7 @@ def main(argv=None):
     objects = [(lift(sequence, o['frame'], o['outline'], rng), NAMES.index(o['label'])) for o in scene['objects']]
     top, shape = scene['table'], sequence.depth_m(scene['table']['frame']).shape
     plane = fit_plane(sequence.points(top['frame'], outline_mask(top['outline'], shape))[0], rng)
-    for folder in ('images', 'labels'):
+    for folder in ('images', 'labels', 'depth'):
         os.makedirs(os.path.join(args.out, folder), exist_ok=True)
     for frame in list(sequence.frames)[::args.every]:
         stem = os.path.splitext(os.path.basename(frame))[0]
@@ -162,6 +163,7 @@ def main(argv=None):
             by_network(labels, cv2.imread(by_people, cv2.IMREAD_GRAYSCALE))
         paint(sequence, frame, labels, objects)
         shutil.copy(os.path.join(args.sequence, frame), os.path.join(args.out, 'images'))
+        shutil.copy(os.path.join(args.sequence, sequence.frames[frame][1]), os.path.join(args.out, 'depth', stem + '.png'))
         cv2.imwrite(os.path.join(args.out, 'labels', stem + '.png'), labels)
 
 

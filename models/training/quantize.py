@@ -5,8 +5,7 @@
 
 usage: quantize.py IN.onnx OUT.onnx IMAGE_DIR ... [--count 60]      (needs the Python packages onnx and onnxruntime)
 
-Copies the sidecar. The last layer stays in float: it is small, and its scores decide the labels. Weights take 7 bits: processors
-without VNNI add two products in 16 bits, which 8 would overflow. Compare the two networks before use (measure_segmentation,
+Copies the sidecar. Weights take 7 bits: processors without VNNI add two products in 16 bits, which 8 would overflow. Compare the two networks before use (measure_segmentation,
 label_images): on such a processor the float one may be as fast.
 """
 import argparse
@@ -137,9 +136,7 @@ def main(argv=None):
     paths = [path for folder in args.images for path in spread(folder, -(-args.count // len(args.images)))]
     prepared = args.out + '.float'
     prepare(args.network, prepared)
-    nodes = onnx.load(prepared).graph.node
-    in_float = [[node.name for node in nodes if node.op_type == 'Conv'][-1]]
-    in_float += [node.name for node in nodes if node.op_type == 'BatchNormalization']  # of the image's mean: a single pixel
+    in_float = [node.name for node in onnx.load(prepared).graph.node if node.op_type == 'BatchNormalization']  # of a single pixel
     ranges = activation_ranges(prepared, Images(paths, size))
     overrides = {name: [{'rmin': np.float32(low), 'rmax': np.float32(high)}] for name, (low, high) in ranges.items()}
     quantize_static(prepared, args.out, Images(paths[:1], size), quant_format=QuantFormat.QDQ, per_channel=True,

@@ -47,7 +47,7 @@ def evaluate(model, folders, size, device='cpu', on_image=None):
     with torch.no_grad():
         for folder in folders:
             for index in range(len(folder)):
-                image, label, _ = folder.load(index)
+                image, label = folder.load(index)[:2]
                 predicted = predict(model, image, size, label.shape, device)
                 confusion.add(label, predicted)
                 if on_image:

@@ -124,11 +124,54 @@ class Hints(unittest.TestCase):
         constant = np.full((9, 9, hints.HINTS), 5, np.float32)
         cutout = augment.Cutout(PERSON, patch, np.ones((60, 40), np.uint8), (10, 10), (100, 100), constant)
         image, label, pasted = cutout.paste(np.zeros((96, 128, 3), np.uint8), np.zeros((96, 128), np.uint8),
-                                            np.zeros((12, 16, hints.HINTS), np.float32), np.random.default_rng(3))
+                                            np.zeros((12, 16, hints.HINTS), np.float32), None, np.random.default_rng(3))
         inside = cv2.resize((label == PERSON).astype(np.float32), (16, 12), interpolation=cv2.INTER_AREA)
         self.assertTrue(np.allclose(pasted[inside > 0.9], 5))
         self.assertTrue((pasted[inside == 0] == 0).all())
         self.assertGreater(image[label == PERSON].mean(), 50)
+
+
+class Pasting(unittest.TestCase):
+    """People of one colour, on an image whose left half is 1 m away and whose right half is 3 m away."""
+
+    def setUp(self):
+        self.cutout = augment.Cutout(PERSON, np.full((60, 40, 3), 200, np.uint8), np.ones((60, 40), np.uint8), (0, 0), (60, 40),
+                                     None)
+        self.depth = np.repeat(np.uint16([1000, 3000]), 64)[None].repeat(96, 0)
+
+    def paste(self, depth, seed):
+        image, label = np.zeros((96, 128, 3), np.uint8), np.zeros((96, 128), np.uint8)
+        return self.cutout.paste(image, label, hints.none((128, 96)), depth, np.random.default_rng(seed))[:2]
+
+    def test_what_is_nearer_hides_a_person_and_what_is_farther_does_not(self):
+        in_front = behind = 0
+        for seed in range(60):
+            whole = self.paste(None, seed)[1] == PERSON
+            if not (whole[:, :60].sum() > 100 and whole[:, 68:].sum() > 100):
+                continue
+            depth = self.depth.copy()
+            image, label = self.paste(depth, seed)
+            self.assertTrue((label == PERSON)[whole][self.depth[whole] == 3000].all() or not (label == PERSON).any())
+            near = whole & (self.depth == 1000)
+            in_front += bool((label[near] == PERSON).all())
+            if not (label[near] == PERSON).any():
+                behind += 1
+                self.assertLess(image[:, :56].max(), 10)  # its soft edge reaches a little over
+        self.assertGreater(in_front, 5)
+        self.assertGreater(behind, 5)
+
+    def test_the_depth_image_gets_the_distance_of_the_person_who_may_hide_the_next_one(self):
+        for seed in range(20):
+            depth = self.depth.copy()
+            person = self.paste(depth, seed)[1] == PERSON
+            self.assertLessEqual(len(np.unique(depth[person])), 1)
+            self.assertTrue((depth[person] <= self.depth[person]).all())
+            self.assertTrue((depth[~person] == self.depth[~person]).all())
+
+    def test_some_people_are_so_near_that_the_image_shows_a_part(self):
+        shares = [(self.paste(None, seed)[1] == PERSON).mean() for seed in range(100)]
+        self.assertGreater(np.quantile(shares, 0.8), 0.25)
+        self.assertLess(np.quantile(shares, 0.1), 0.15)
 
 
 class LabelSequence(unittest.TestCase):
@@ -164,6 +207,8 @@ class LabelSequence(unittest.TestCase):
             self.assertTrue((label[20:61, x:x + 31] == NAMES.index('book')).all())
             self.assertEqual((label == NAMES.index('book')).sum(), 41 * 31)
             self.assertEqual(label[80, 100], NAMES.index('table'))
+        labelled = dataset.LabelledFolder(out).load(1)
+        self.assertEqual((labelled.depth.dtype, labelled.depth[5, 5]), (np.uint16, 5000))
 
 
 def photograph(seed):
@@ -512,6 +557,10 @@ class Training(unittest.TestCase):
     def test_says_what_is_wrong_with_a_folder(self):
         with self.assertRaisesRegex(SystemExit, 'no labelled folder'):
             dataset.LabelledFolder(self.folder.name)
+        os.makedirs(os.path.join(self.data, 'depth'))
+        cv2.imwrite(os.path.join(self.data, 'depth', '000.png'), np.zeros((64, 96), np.uint8))
+        with self.assertRaisesRegex(SystemExit, 'no 16-bit image of the size of its labels'):
+            dataset.LabelledFolder(self.data).load(0)
 
 
 if __name__ == '__main__':

@@ -5,8 +5,8 @@
 
 usage: quantize.py IN.onnx OUT.onnx IMAGE_DIR ... [--count 60]      (needs the Python packages onnx and onnxruntime)
 
-Copies the sidecar. Weights take 7 bits: processors without VNNI add two products in 16 bits, which 8 would overflow. Compare the two networks before use (measure_segmentation,
-label_images): on such a processor the float one may be as fast.
+Copies the sidecar. Weights take 7 bits: processors without VNNI add two products in 16 bits, which 8 would overflow. Compare the
+two networks before use (measure_segmentation, label_images): on such a processor the float one may be as fast.
 """
 import argparse
 import glob
@@ -35,14 +35,20 @@ class Images:
         path = next(self.paths, None)
         if path is None:
             return None
-        image = cv2.cvtColor(cv2.resize(cv2.imread(path), self.size), cv2.COLOR_BGR2RGB)
+        image = cv2.imread(path)
+        if image is None:
+            raise SystemExit(f"'{path}' does not load as an image")
+        image = cv2.cvtColor(cv2.resize(image, self.size), cv2.COLOR_BGR2RGB)
         planar = ((image / 255 - MEAN) / STD).astype(np.float32).transpose(2, 0, 1)
         return {'image': planar[None]}
 
 
 def read_size(sidecar):
-    with open(sidecar, encoding='utf-8') as text:
-        content = text.read()
+    try:
+        with open(sidecar, encoding='utf-8') as text:
+            content = text.read()
+    except OSError as error:
+        raise SystemExit(f"sidecar '{sidecar}' cannot be read: {error.strerror}; export.py writes it beside the network") from None
     return tuple(int(re.search(rf'^\s+{side}: (\d+)', content, re.MULTILINE).group(1)) for side in ('width', 'height'))
 
 

@@ -480,6 +480,12 @@ class Training(unittest.TestCase):
             evaluate.main([os.path.join(self.out, 'none.onnx'), self.data])
         with self.assertRaisesRegex(SystemExit, 'holds no .jpg or .png'):
             quantize.main([network, small, self.folder.name])
+        with open(os.path.join(self.folder.name, 'broken.png'), 'w', encoding='utf-8'):
+            pass
+        with self.assertRaisesRegex(SystemExit, "broken.png' does not load"):
+            quantize.main([network, small, self.folder.name])
+        with self.assertRaisesRegex(SystemExit, "sidecar '.*none.yaml' cannot be read"):
+            quantize.main([os.path.join(self.out, 'none.onnx'), small, self.folder.name])
 
     @unittest.skipIf(onnx is None or onnxruntime is None, 'needs onnx and onnxruntime')
     def test_a_network_prepared_for_quantising_computes_the_same_with_convolutions_that_are_fast(self):

@@ -279,10 +279,13 @@ Segmentation OnnxSegmenter::segment(const cv::Mat3b& bgr) {
   const cv::Rect2d region(0.0, 0.0, content.width / stride, content.height / stride);
   if (sidecar_.output.kind == OutputKind::kLabels) return {upsampleLabels(networkLabels(), region, bgr.size())};
   const std::vector<std::uint8_t>& lut = sidecar_.label_of_class;
-  Segmentation result{upsampleBestLabels(logits(), region, bgr.size(), lut)};
+  const LogitGrid scores = logits();
+  const cv::Mat1f all(1, scores.size.area() * scores.classes, const_cast<float*>(scores.data));  // only read
+  if (!cv::checkRange(all)) misfit("gives scores that are not finite: wrong weights, or wrong scale, mean or std");
+  Segmentation result{upsampleBestLabels(scores, region, bgr.size(), lut)};
   const std::uint8_t person = sidecar_.labels.person();
   if (person > 0 && weak_person_ < 1.0F) {
-    result.weak_people = upsampleLikely(logits(), region, bgr.size(), lut, person, weak_person_);
+    result.weak_people = upsampleLikely(scores, region, bgr.size(), lut, person, weak_person_);
   }
   return result;
 }

@@ -115,6 +115,12 @@ TEST(OnnxSegmenter, SaysInOneLineWhatDoesNotFit) {
             std::string::npos);
 }
 
+TEST(OnnxSegmenter, RefusesScoresThatAreNotFinite) {
+  EXPECT_NE(errorOf("tiny_logits.onnx", replaced(kLogits, "channels: rgb", "scale: 1.0e+38, channels: rgb"))
+                .find("gives scores that are not finite"),
+            std::string::npos);
+}
+
 TEST(OnnxSegmenter, RefusesLabelsBeyondTheClassList) {
   // The first image that shows the class tells; the warm-up does not.
   const auto segmenter = makeOnnxSegmenter(configOf(

@@ -3,11 +3,13 @@
 //
 // Runs network and refinement over a TUM folder and measures both against its true masks or labels.
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
+#include <vector>
 
 #include "semantic_vslam/core/common/arguments.h"
 #include "semantic_vslam/core/common/config_arguments.h"
@@ -27,7 +29,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kUsage =
     "usage: measure_segmentation SEQUENCE_DIR --camera FILE (--set model=FILE.onnx | --dilate PX) [options]\n"
-    "Truth: SEQUENCE_DIR/labels/*.png (person = 1) or mask/*.png (255 = person).\n"
+    "Truth: SEQUENCE_DIR/labels/*.png (numbered as the network's sidecar lists its labels, person = 1) or mask/*.png\n"
+    "(255 = person).\n"
     "  --set KEY=VALUE  a key of the segmentation stage, e.g. refinement.epsilon=3\n"
     "  --dilate PX      true masks, made this much larger, take the network's place: the refinement alone\n"
     "  --every N        every N-th frame (10)\n"
@@ -76,6 +79,44 @@ struct PointErrors {
   double offShare() const { return off / std::max(labelled, 1.0); }
   double farShare() const { return far / std::max(labelled, 1.0); }
   double lostShare() const { return lost / std::max(real, 1.0); }
+};
+
+/// IoU of each label that the truth has, before and after refinement.
+class LabelScores {
+ public:
+  explicit LabelScores(const LabelSet& set) : set_(set), scores_(set.classes.size()) {}
+
+  void add(const cv::Mat1b& before, const cv::Mat1b& refined, const cv::Mat1b& truth) {
+    for (std::size_t label = 1; label < scores_.size(); ++label) {
+      const auto id = static_cast<double>(label);
+      const cv::Mat1b real = truth == id;
+      scores_[label].before.add(before == id, real);
+      scores_[label].refined.add(refined == id, real);
+      scores_[label].real_px += cv::countNonZero(real);
+    }
+  }
+  void print() const {
+    int count = 0;
+    double before = 0.0, refined = 0.0;
+    for (std::size_t label = 1; label < scores_.size(); ++label) {
+      const Score& score = scores_[label];
+      if (score.real_px == 0) continue;
+      std::printf("%-10s IoU %.3f, refined %.3f\n", set_.classes[label].name.c_str(), score.before.iou(),
+                  score.refined.iou());
+      ++count;
+      before += score.before.iou();
+      refined += score.refined.iou();
+    }
+    if (count > 1) std::printf("%-10s IoU %.3f, refined %.3f\n", "mean", before / count, refined / count);
+  }
+
+ private:
+  struct Score {
+    MaskScore before, refined;
+    std::int64_t real_px = 0;
+  };
+  const LabelSet set_;
+  std::vector<Score> scores_;
 };
 
 double removed(double before, double after) { return before > 0.0 ? 1.0 - after / before : 0.0; }
@@ -161,6 +202,7 @@ int run(const Arguments& arguments) {
   if (!options.pictures.empty()) fs::create_directories(options.pictures);
   MaskScore people_before, people_after;
   PointErrors points_before, points_after;
+  LabelScores labels(set);
   StageTimes times;
   Progress progress(sequence.size(), "frames");
   while (auto frame = sequence.next()) {
@@ -179,6 +221,7 @@ int run(const Arguments& arguments) {
     people_after.add(refined == 1, truth == 1);
     points_before.add(segmented.labels, truth, *frame);
     points_after.add(refined, truth, *frame);
+    labels.add(segmented.labels, refined, truth);
     if (!options.pictures.empty()) {
       const std::string name = fs::path(sequence.pairs()[frame->index].rgb_file).stem().string() + ".jpg";
       writePicture(options.pictures + "/" + name, *frame, segmented.labels, refined, truth, set);
@@ -190,6 +233,7 @@ int run(const Arguments& arguments) {
   std::printf("%zu frames\n", people_before.frames());
   print("before", people_before, points_before);
   print("refined", people_after, points_after);
+  labels.print();
   std::printf("refinement removes %.1f %% of the points off their object, %.1f %% of those by over 5 cm\n",
               100.0 * removed(points_before.offShare(), points_after.offShare()),
               100.0 * removed(points_before.farShare(), points_after.farShare()));

@@ -72,7 +72,8 @@ def arguments(argv=None):
     parser.add_argument('--batch', type=int, default=8)
     parser.add_argument('--rate', type=float, default=2e-3, help='peak learning rate of AdamW')
     parser.add_argument('--head', type=int, default=1024, help='hidden channels of the last head; 1024 as published')
-    parser.add_argument('--paste', type=float, default=0.33, help='share of samples that cutouts are pasted into')
+    parser.add_argument('--paste', type=float, default=0.33,
+                        help='share of samples that cutouts are pasted into; twice as many of those that show nobody')
     parser.add_argument('--evaluate-every', type=int, default=1000, help='steps')
     parser.add_argument('--workers', type=int, default=1, help='processes that make samples')
     parser.add_argument('--seed', type=int, default=1)

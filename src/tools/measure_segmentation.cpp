@@ -81,7 +81,7 @@ struct PointErrors {
   double lostShare() const { return lost / std::max(real, 1.0); }
 };
 
-/// IoU of each label that the truth has, before and after refinement.
+/// Scores of each label, before and after refinement.
 class LabelScores {
  public:
   explicit LabelScores(const LabelSet& set) : set_(set), scores_(set.classes.size()) {}
@@ -92,15 +92,19 @@ class LabelScores {
       const cv::Mat1b real = truth == id;
       scores_[label].before.add(before == id, real);
       scores_[label].refined.add(refined == id, real);
-      scores_[label].real_px += cv::countNonZero(real);
+      scores_[label].occurs |= cv::countNonZero(real) > 0;
     }
   }
+  const MaskScore& peopleBefore() const { return scores_[kPerson].before; }
+  const MaskScore& peopleRefined() const { return scores_[kPerson].refined; }
+
+  /// The labels that the truth has.
   void print() const {
     int count = 0;
     double before = 0.0, refined = 0.0;
     for (std::size_t label = 1; label < scores_.size(); ++label) {
       const Score& score = scores_[label];
-      if (score.real_px == 0) continue;
+      if (!score.occurs) continue;
       std::printf("%-10s IoU %.3f, refined %.3f\n", set_.classes[label].name.c_str(), score.before.iou(),
                   score.refined.iou());
       ++count;
@@ -111,9 +115,10 @@ class LabelScores {
   }
 
  private:
+  static constexpr std::size_t kPerson = 1;  // of the truth
   struct Score {
     MaskScore before, refined;
-    std::int64_t real_px = 0;
+    bool occurs = false;
   };
   const LabelSet set_;
   std::vector<Score> scores_;
@@ -200,7 +205,6 @@ int run(const Arguments& arguments) {
   DepthRefiner refiner(options.config.refinement);
   const LabelSet set = segmenter ? segmenter->labels() : numberedLabels();
   if (!options.pictures.empty()) fs::create_directories(options.pictures);
-  MaskScore people_before, people_after;
   PointErrors points_before, points_after;
   LabelScores labels(set);
   StageTimes times;
@@ -217,8 +221,6 @@ int run(const Arguments& arguments) {
       auto timer = times.scope("refinement", frame->index);
       refined = refiner.refine(segmented, set, *frame);
     }
-    people_before.add(segmented.labels == 1, truth == 1);
-    people_after.add(refined == 1, truth == 1);
     points_before.add(segmented.labels, truth, *frame);
     points_after.add(refined, truth, *frame);
     labels.add(segmented.labels, refined, truth);
@@ -230,9 +232,9 @@ int run(const Arguments& arguments) {
     sequence.skip(options.every - 1);
   }
   progress.end();
-  std::printf("%zu frames\n", people_before.frames());
-  print("before", people_before, points_before);
-  print("refined", people_after, points_after);
+  std::printf("%zu frames\n", labels.peopleBefore().frames());
+  print("before", labels.peopleBefore(), points_before);
+  print("refined", labels.peopleRefined(), points_after);
   labels.print();
   std::printf("refinement removes %.1f %% of the points off their object, %.1f %% of those by over 5 cm\n",
               100.0 * removed(points_before.offShare(), points_after.offShare()),

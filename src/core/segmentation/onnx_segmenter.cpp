@@ -5,6 +5,7 @@
 #include <onnxruntime_cxx_api.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -280,8 +281,10 @@ Segmentation OnnxSegmenter::segment(const cv::Mat3b& bgr) {
   if (sidecar_.output.kind == OutputKind::kLabels) return {upsampleLabels(networkLabels(), region, bgr.size())};
   const std::vector<std::uint8_t>& lut = sidecar_.label_of_class;
   const LogitGrid scores = logits();
-  const cv::Mat1f all(1, scores.size.area() * scores.classes, const_cast<float*>(scores.data));  // only read
-  if (!cv::checkRange(all)) misfit("gives scores that are not finite: wrong weights, or wrong scale, mean or std");
+  const float* end = scores.data + static_cast<std::size_t>(scores.size.area()) * scores.classes;
+  if (!std::all_of(scores.data, end, [](float score) { return std::isfinite(score); })) {
+    misfit("gives scores that are not finite: wrong weights, or wrong scale, mean or std");
+  }
   Segmentation result{upsampleBestLabels(scores, region, bgr.size(), lut)};
   const std::uint8_t person = sidecar_.labels.person();
   if (person > 0 && weak_person_ < 1.0F) {

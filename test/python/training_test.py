@@ -207,8 +207,8 @@ class LabelSequence(unittest.TestCase):
             self.assertTrue((label[20:61, x:x + 31] == NAMES.index('book')).all())
             self.assertEqual((label == NAMES.index('book')).sum(), 41 * 31)
             self.assertEqual(label[80, 100], NAMES.index('table'))
-        labelled = dataset.LabelledFolder(out).load(1)
-        self.assertEqual((labelled.depth.dtype, labelled.depth[5, 5]), (np.uint16, 5000))
+            depth = cv2.imread(os.path.join(out, 'depth', f'{i}.png'), cv2.IMREAD_UNCHANGED)
+            self.assertEqual((depth.dtype, depth.shape, depth[5, 5]), (np.uint16, label.shape, 5000))
 
 
 def photograph(seed):
@@ -563,8 +563,12 @@ class Training(unittest.TestCase):
     def test_says_what_is_wrong_with_a_folder(self):
         with self.assertRaisesRegex(SystemExit, 'no labelled folder'):
             dataset.LabelledFolder(self.folder.name)
+        self.assertIsNone(dataset.LabelledFolder(self.data).load(0).depth)
         os.makedirs(os.path.join(self.data, 'depth'))
-        cv2.imwrite(os.path.join(self.data, 'depth', '000.png'), np.zeros((64, 96), np.uint8))
+        depth_file = os.path.join(self.data, 'depth', '000.png')
+        cv2.imwrite(depth_file, np.full(dataset.LabelledFolder(self.data).load(0).label.shape, 700, np.uint16))
+        self.assertTrue((dataset.LabelledFolder(self.data).load(0).depth == 700).all())
+        cv2.imwrite(depth_file, np.zeros((64, 96), np.uint8))
         with self.assertRaisesRegex(SystemExit, 'no 16-bit image of the size of its labels'):
             dataset.LabelledFolder(self.data).load(0)
 

@@ -67,6 +67,7 @@ def prepare(network, out):
     quant_pre_process(model, out)
     model = onnx.load(out)
     _split_expansions(model.graph)
+    _halve_first(model.graph)
     onnx.checker.check_model(model)
     onnx.save(model, out)
 
@@ -98,6 +99,34 @@ def _split_expansions(graph):
             if node.op_type == 'Conv':
                 sums = group(node).i == 1
                 reorder(node.input[1:2] if sums else node.input[1:], order, 1 if sums else 0)
+
+
+def _halve_first(graph):
+    """Gives the 3x3 convolutions of stride 2 on the image the image at half its size and four times the channels, of which they are
+    2x2 convolutions: the runtime gathers their input pixel by pixel, whatever the channels."""
+    from onnx import helper, numpy_helper
+    image = graph.input[0].name
+    weights = {w.name: w for w in graph.initializer}
+
+    def attributes(node):
+        return {a.name: helper.get_attribute_value(a) for a in node.attribute}
+
+    first = [node for node in graph.node if image in node.input]
+    if any(node.op_type != 'Conv' or attributes(node)['kernel_shape'] != [3, 3] or attributes(node)['strides'] != [2, 2]
+           or attributes(node)['pads'] != [1, 1, 1, 1] for node in first):
+        return
+    for node in first:
+        values = numpy_helper.to_array(weights[node.input[1]])
+        padded = np.pad(values, ((0, 0), (0, 0), (1, 0), (1, 0)))  # from one pixel further up and left: two blocks of 2x2
+        outputs, channels = values.shape[:2]
+        blocks = padded.reshape(outputs, channels, 2, 2, 2, 2).transpose(0, 3, 5, 1, 2, 4).reshape(outputs, 4 * channels, 2, 2)
+        weights[node.input[1]].CopyFrom(numpy_helper.from_array(np.ascontiguousarray(blocks), node.input[1]))
+        node.input[0] = image + '_halved'
+        for attribute in node.attribute:
+            if attribute.name in ('kernel_shape', 'strides', 'pads'):
+                del attribute.ints[:]
+                attribute.ints.extend({'kernel_shape': [2, 2], 'strides': [1, 1], 'pads': [1, 1, 0, 0]}[attribute.name])
+    graph.node.insert(0, helper.make_node('SpaceToDepth', [image], [image + '_halved'], image + '_halved', blocksize=2))
 
 
 def activation_ranges(prepared, images):

@@ -214,22 +214,27 @@ void keepEnclosed(std::vector<Piece>& pieces, const std::vector<int>& main, cons
   }
 }
 
-/// Labels of all pixels from those that were kept on the grid.
-cv::Mat1b spread(const cv::Mat1b& kept, const cv::Mat1b& labels, const cv::Mat1f& depth_m, const Steps& steps,
-                 int stride) {
-  cv::Mat1b refined(labels.size(), std::uint8_t{0});
-  for (int v = 0; v < labels.rows; ++v) {
-    const std::uint8_t* label = labels[v];
-    const std::uint8_t* kept_label = kept[v / stride];
-    const float* z = depth_m[v];
-    std::uint8_t* to = refined[v];
-    const int first = v / stride * kept.cols;
-    for (int cell = 0; cell < kept.cols; ++cell) {
-      if (kept_label[cell] == 0) continue;
-      const std::uint8_t wanted = kept_label[cell];
-      const Level level = steps.levelOf(first + cell);
-      const int end = std::min((cell + 1) * stride, labels.cols);
-      for (int u = cell * stride; u < end; ++u) to[u] = (label[u] == wanted) & level.holds(z[u]) ? wanted : 0;
+/// Labels of all pixels from those that were kept on the grid: a pixel stays with its block if the two are level, and
+/// if one of them has no depth.
+cv::Mat1b spread(const cv::Mat1b& kept, const Grid& grid, const cv::Mat1f& reach_m2, const cv::Mat1b& labels,
+                 const cv::Mat1f& depth_m) {
+  const int width = labels.cols;
+  cv::Mat1b refined(labels.size());
+  std::vector<std::uint8_t> wanted(width);
+  std::vector<float> level_m(width), reach(width);
+  for (int row = 0; row < kept.rows; ++row) {
+    expandRow(grid.stride, kept, row, wanted);
+    expandRow(grid.stride, grid.depth_m, row, level_m);
+    expandRow(grid.stride, reach_m2, row, reach);
+    for (int v = row * grid.stride; v < std::min((row + 1) * grid.stride, labels.rows); ++v) {
+      const std::uint8_t* label = labels[v];
+      const float* z = depth_m[v];
+      std::uint8_t* to = refined[v];
+      for (int u = 0; u < width; ++u) {
+        const float step = z[u] - level_m[u];
+        const bool level = (z[u] == 0.0F) | (level_m[u] == 0.0F) | (step * step < reach[u]);
+        to[u] = (label[u] == wanted[u]) & level ? wanted[u] : 0;
+      }
     }
   }
   return refined;
@@ -345,7 +350,7 @@ cv::Mat1b DepthRefiner::cut(const cv::Mat1b& labels, const LabelSet& label_set, 
       if (keep) kept.ptr<std::uint8_t>()[i] = label[i];
     }
   }
-  return grid.stride == 1 ? kept.clone() : spread(kept, labels, frame.depth_m, steps, grid.stride);
+  return grid.stride == 1 ? kept.clone() : spread(kept, grid, reach_m2, labels, frame.depth_m);
 }
 
 cv::Mat1b refineOnDepth(const Segmentation& segmentation, const LabelSet& label_set, const RgbdFrame& frame,

@@ -45,14 +45,27 @@ cv::Mat1b PeopleCompletion::complete(const Segmentation& segmentation, std::uint
 
   std::vector<int> strong_px(surfaces_.count, 0);
   for (const cv::Point& p : candidates_) strong_px[surfaces_.id(p)] += labels_(p) == person;
-  cv::Mat1b completed = labels.clone();
+  taken_.create(labels_.size());
+  taken_.setTo(0);
   for (const cv::Point& p : candidates_) {
     const int surface = surfaces_.id(p);
-    if (strong_px[surface] < min_share_ * surfaces_.size_px[surface]) continue;
-    const cv::Rect block = cv::Rect(p.x * stride_, p.y * stride_, stride_, stride_) & cv::Rect({0, 0}, labels.size());
-    for (int v = block.y; v < block.y + block.height; ++v) {
-      for (int u = block.x; u < block.x + block.width; ++u) {
-        if (weak(v, u) != 0 && step.holds(frame.depth_m(v, u), depth_m_(p))) completed(v, u) = person;
+    if (strong_px[surface] >= min_share_ * surfaces_.size_px[surface]) taken_(p) = 255;
+  }
+  cv::Mat1b completed = labels.clone();
+  const int width = labels.cols;
+  std::vector<std::uint8_t> taken(width);
+  std::vector<float> level_m(width);
+  for (int row = 0; row < taken_.rows; ++row) {
+    if (cv::countNonZero(taken_.row(row)) == 0) continue;
+    expandRow(stride_, taken_, row, taken);
+    expandRow(stride_, depth_m_, row, level_m);
+    for (int v = row * stride_; v < std::min((row + 1) * stride_, labels.rows); ++v) {
+      const std::uint8_t* weak_person = weak[v];
+      const float* depth = frame.depth_m[v];
+      std::uint8_t* label = completed[v];
+      for (int u = 0; u < width; ++u) {
+        const bool takes = (taken[u] != 0) & (weak_person[u] != 0) & step.holds(depth[u], level_m[u]);
+        label[u] = takes ? person : label[u];
       }
     }
   }

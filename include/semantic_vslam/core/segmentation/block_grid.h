@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <opencv2/core.hpp>
+#include <vector>
 
 namespace semantic_vslam {
 
@@ -24,6 +25,17 @@ void takeEvery(int stride, const cv::Mat_<T>& image, cv::Mat_<T>& grid) {
     const T* from = image[middleOfBlock(v, stride, image.rows)];
     T* to = grid[v];
     for (int u = 0; u < grid.cols; ++u) to[u] = from[middleOfBlock(u, stride, image.cols)];
+  }
+}
+
+/// Gives every pixel of a row its block's value, so that pixels are compared with their blocks several at once.
+/// @param row  of the grid  @param pixels  result; its size is the image's width
+template <class T>
+void expandRow(int stride, const cv::Mat_<T>& grid, int row, std::vector<T>& pixels) {
+  const T* value = grid[row];
+  const int width = static_cast<int>(pixels.size());
+  for (int u = 0; u < width; ++value) {
+    for (const int end = std::min(u + stride, width); u < end; ++u) pixels[u] = *value;
   }
 }
 

@@ -29,7 +29,7 @@ class PeopleCompletion {
  private:
   int stride_;
   double min_share_;
-  cv::Mat1b labels_, weak_;  ///< of the grid, as all here: kept between frames
+  cv::Mat1b labels_, weak_, taken_;  ///< of the grid, as all here: kept between frames
   cv::Mat1f depth_m_;
   std::vector<cv::Point> candidates_;
   ConnectedRegions surfaces_;

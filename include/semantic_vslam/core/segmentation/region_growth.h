@@ -35,14 +35,6 @@ inline float squaredDistance(const cv::Vec3f& a, const cv::Vec3f& b) {
   return dx * dx + dy * dy + dz * dz;
 }
 
-/// The depth of a pixel, and which depths next to it are level with it.
-struct Level {
-  float z_m = 0.0F, reach_m2 = 0.0F;
-
-  /// @return true also where one of the two has no depth
-  bool holds(float z) const { return (z == 0.0F) | (z_m == 0.0F) | ((z - z_m) * (z - z_m) < reach_m2); }
-};
-
 /// Whether growth steps from one pixel of a mask to a neighbouring one, and whether one stands clearly behind another.
 class Steps {
  public:
@@ -60,7 +52,6 @@ class Steps {
     if (!hasDepth(a) || !hasDepth(b)) return hasDepth(a) == hasDepth(b);
     return squaredDistance(point_m_[a], point_m_[b]) < std::min(reach_m2_[a], reach_m2_[b]);
   }
-  Level levelOf(int i) const { return {point_m_[i][2], reach_m2_[i]}; }
   /// @return the one of two pixels with depth that another surface hides partly; -1 if there is no such step.
   int behind(int a, int b) const {
     constexpr float kClearSteps = 4.0F;  // several T: noise does not look like an edge

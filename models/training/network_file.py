@@ -77,22 +77,9 @@ def weights_of_small(graph):
     return found
 
 
-def narrow_head(weights, width):
-    """Keeps of the last head's hidden channels the `width` that move its logits most: the largest product of the normalisation's
-    scale and the norm of what the logits take of it. Changes the dict; does nothing to a head that is not wider."""
-    scale, taken = weights.get('head.0.1.weight'), weights.get('head.2.weight')
-    if scale is None or taken is None or len(scale) <= width:
-        return
-    strongest = (scale.abs() * taken.flatten(2).norm(dim=(0, 2))).topk(width).indices.sort().values
-    for name in ('head.0.0.weight', *(f'head.0.1.{part}' for part in ('weight', 'bias', 'running_mean', 'running_var'))):
-        weights[name] = weights[name][strongest]
-    weights['head.2.weight'] = taken[:, strongest]
-
-
 def load_weights(model, path):
     """Gives a model to train the weights of a checkpoint's averaged network or of a network that export.py wrote. What they
-    lack, the heads that only training has, stays as it is; a last head that is wider than the model's is narrowed. Ends the
-    program if the file is none of these or does not fit."""
+    lack, the heads that only training has, stays as it is. Ends the program if the file is none of these or does not fit."""
     if path.endswith('.onnx'):
         try:
             import onnx
@@ -112,7 +99,6 @@ def load_weights(model, path):
     else:
         found = load_checkpoint(path)['average']
     wanted = model.state_dict()
-    narrow_head(found, len(wanted['head.0.0.weight']))
     fitting = {name: found[name] for name, w in wanted.items() if name in found and found[name].shape == w.shape}
     lacking = [name for name, w in wanted.items()
                if w.dtype.is_floating_point and not name.startswith(TRAINING_HEADS) and name not in fitting]

@@ -188,18 +188,21 @@ void keepSurfaces(std::vector<Piece>& pieces, const std::vector<int>& main, cons
 /// sensors lose depth beside an object, in its shadow, as well as on it.
 void keepEnclosed(std::vector<Piece>& pieces, const std::vector<int>& main, const std::vector<GrownMask>& masks,
                   const ConnectedRegions& parts, const cv::Mat1b& bands, const RefinementConfig& config) {
-  const cv::Rect image({0, 0}, parts.id.size());
+  const int width = parts.id.cols, height = parts.id.rows;
+  const int* part_of = parts.id.ptr<int>();
+  const std::uint8_t* band = bands.ptr<std::uint8_t>();
   std::vector<int> balance(pieces.size(), 0);
   for (const GrownMask& mask : masks) {
     for (std::size_t k = 0; k < mask.size_px; ++k) {
-      const int i = mask.pixels[k], part = parts.id.ptr<int>()[i];
+      const int i = mask.pixels[k], part = part_of[i];
       if (pieces[part].keep) continue;
-      const cv::Point p(i % image.width, i / image.width);
-      for (const cv::Point& step : kNeighbours) {
-        if (!image.contains(p + step)) continue;
-        const int around = parts.id(p + step);
-        if (around == part) continue;
-        balance[part] += around >= 0 && pieces[around].keep && bands(p + step) == 0 ? 1 : -1;
+      const int u = i % width, v = i / width;
+      for (int y = std::max(v - 1, 0); y <= std::min(v + 1, height - 1); ++y) {
+        for (int x = std::max(u - 1, 0); x <= std::min(u + 1, width - 1); ++x) {
+          const int around = part_of[y * width + x];
+          if (around == part) continue;
+          balance[part] += around >= 0 && pieces[around].keep && band[y * width + x] == 0 ? 1 : -1;
+        }
       }
     }
   }

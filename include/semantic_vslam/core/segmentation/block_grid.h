@@ -33,9 +33,10 @@ void takeEvery(int stride, const cv::Mat_<T>& image, cv::Mat_<T>& grid) {
 template <class T>
 void expandRow(int stride, const cv::Mat_<T>& grid, int row, std::vector<T>& pixels) {
   const T* value = grid[row];
+  T* to = pixels.data();
   const int width = static_cast<int>(pixels.size());
-  for (int u = 0; u < width; ++value) {
-    for (const int end = std::min(u + stride, width); u < end; ++u) pixels[u] = *value;
+  for (int first = 0; first < stride; ++first) {
+    for (int u = first, block = 0; u < width; u += stride, ++block) to[u] = value[block];
   }
 }
 

@@ -223,12 +223,12 @@ cv::Mat1b spread(const cv::Mat1b& kept, const Grid& grid, const cv::Mat1f& reach
                  const cv::Mat1f& depth_m) {
   const int width = labels.cols;
   cv::Mat1b refined(labels.size());
-  std::vector<std::uint8_t> wanted(width);
-  std::vector<float> level_m(width), reach(width);
+  std::vector<std::uint8_t> kept_row;
+  std::vector<float> level_row, reach_row;
   for (int row = 0; row < kept.rows; ++row) {
-    expandRow(grid.stride, kept, row, wanted);
-    expandRow(grid.stride, grid.depth_m, row, level_m);
-    expandRow(grid.stride, reach_m2, row, reach);
+    const std::uint8_t* wanted = expandRow(grid.stride, kept, row, kept_row);
+    const float* level_m = expandRow(grid.stride, grid.depth_m, row, level_row);
+    const float* reach = expandRow(grid.stride, reach_m2, row, reach_row);
     for (int v = row * grid.stride; v < std::min((row + 1) * grid.stride, labels.rows); ++v) {
       const std::uint8_t* label = labels[v];
       const float* z = depth_m[v];
@@ -312,9 +312,11 @@ DepthRefiner& DepthRefiner::operator=(DepthRefiner&&) noexcept = default;
 cv::Mat1b DepthRefiner::refine(const Segmentation& segmentation, const LabelSet& label_set, const RgbdFrame& frame) {
   assert(segmentation.labels.size() == frame.depth_m.size());
   if (!config_.enabled) return segmentation.labels.clone();
-  const cv::Mat1b labels = cut(segmentation.labels, label_set, frame);
-  if (segmentation.weak_people.empty() || label_set.person() == 0) return labels;
-  return buffers_->completion.complete({labels, segmentation.weak_people}, label_set.person(), frame);
+  cv::Mat1b labels = cut(segmentation.labels, label_set, frame);
+  if (!segmentation.weak_people.empty() && label_set.person() != 0) {
+    buffers_->completion.complete(labels, segmentation.weak_people, label_set.person(), frame);
+  }
+  return labels;
 }
 
 cv::Mat1b DepthRefiner::cut(const cv::Mat1b& labels, const LabelSet& label_set, const RgbdFrame& frame) {
@@ -326,7 +328,7 @@ cv::Mat1b DepthRefiner::cut(const cv::Mat1b& labels, const LabelSet& label_set, 
   assert(grid.labels.isContinuous());
   const std::uint8_t* label = grid.labels.ptr<std::uint8_t>();
   cv::findNonZero(grid.labels, labelled);
-  connectRegions(
+  connectRegions<true>(
       size, labelled, [label](int a, int b) { return label[a] == label[b]; }, masks);
   std::vector<GrownMask> grown = collectMasks(masks, labelled, grid, frame.camera->rays(), pixels, points_m);
   reach_m2.create(size);

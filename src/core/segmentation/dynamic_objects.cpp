@@ -29,7 +29,7 @@ std::vector<DynamicObject> decideDynamic(const cv::Mat1b& labels, const LabelSet
   std::vector<cv::Point> pixels;
   cv::findNonZero(labels, pixels);
   ConnectedRegions masks;
-  connectRegions(
+  connectRegions<true>(
       labels.size(), pixels, [label](int a, int b) { return label[a] == label[b]; }, masks);
 
   std::vector<DynamicObject> objects(masks.count);

@@ -11,6 +11,20 @@
 namespace semantic_vslam {
 namespace {
 
+/// The masks' pixels that another mask or the background is beside, in four directions; in raster order.
+std::vector<int> findBorder(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled) {
+  const int width = masks.id.cols, height = masks.id.rows;
+  const int* id = masks.id.ptr<int>();
+  std::vector<int> border;
+  for (const cv::Point& p : labelled) {
+    const int i = p.y * width + p.x, mask = id[i];
+    const bool on_border = (p.x > 0 && id[i - 1] != mask) || (p.x + 1 < width && id[i + 1] != mask) ||
+                           (p.y > 0 && id[i - width] != mask) || (p.y + 1 < height && id[i + width] != mask);
+    if (on_border) border.push_back(i);
+  }
+  return border;
+}
+
 /// Distance from some pixels on the way that growth takes, px in four directions, up to a limit; 255 beyond it.
 void growthDistance(std::vector<int> front, const Steps& steps, int limit_px, cv::Mat1b& distance) {
   const int width = distance.cols, height = distance.rows;
@@ -38,24 +52,21 @@ void growthDistance(std::vector<int> front, const Steps& steps, int limit_px, cv
 
 /// Bands between a step, on whose far side they lie, and the mask's border: growth reaches them where the object
 /// touches what it stands on.
-void findHiddenBackground(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled, const Steps& steps,
-                          int width_px, cv::Mat1b& bands, cv::Mat1b& scratch) {
-  const int width = masks.id.cols, height = masks.id.rows;
-  std::vector<int> border, hidden, last_in_column(width, -1);
+void findHiddenBackground(const std::vector<int>& border, const ConnectedRegions& masks,
+                          const std::vector<cv::Point>& labelled, const Steps& steps, int width_px, cv::Mat1b& bands,
+                          cv::Mat1b& scratch) {
+  const int width = masks.id.cols;
+  std::vector<int> hidden, last_in_column(width, -1);
   const auto compare = [&](int before, int now) {  // both have depth; holes between them are looked across
     if (before < 0 || !steps.sameMask(before, now)) return;
     const int behind = steps.behind(before, now);
     if (behind >= 0) hidden.push_back(behind);
   };
-  const int* id = masks.id.ptr<int>();
   int last_in_row = -1, row = -1;
   for (const cv::Point& p : labelled) {
-    const int i = p.y * width + p.x, mask = id[i];
+    const int i = p.y * width + p.x;
     if (p.y != row) last_in_row = -1;
     row = p.y;
-    const bool on_border = (p.x > 0 && id[i - 1] != mask) || (p.x + 1 < width && id[i + 1] != mask) ||
-                           (p.y > 0 && id[i - width] != mask) || (p.y + 1 < height && id[i + width] != mask);
-    if (on_border) border.push_back(i);
     if (!steps.hasDepth(i)) continue;
     compare(last_in_row, i);
     compare(last_in_column[p.x], i);
@@ -63,7 +74,7 @@ void findHiddenBackground(const ConnectedRegions& masks, const std::vector<cv::P
   }
   bands.create(masks.id.size());
   scratch.create(masks.id.size());
-  growthDistance(std::move(border), steps, width_px, bands);
+  growthDistance(border, steps, width_px, bands);
   growthDistance(std::move(hidden), steps, width_px, scratch);
   cv::add(bands, scratch, scratch);  // saturates: what one of them does not reach stays 255
   cv::compare(scratch, width_px, bands, cv::CMP_LT);
@@ -135,13 +146,13 @@ class ContinuedBackground {
   std::uint8_t* bands_;
 };
 
-void findContinuedBackground(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled,
-                             const cv::Mat1f& depth_m, int width_px, cv::Mat1b& bands) {
+void findContinuedBackground(const std::vector<int>& border, const ConnectedRegions& masks, const cv::Mat1f& depth_m,
+                             int width_px, cv::Mat1b& bands) {
   const int width = masks.id.cols, height = masks.id.rows;
   ContinuedBackground background(masks, depth_m, width_px, bands);
   const int* id = masks.id.ptr<int>();
-  for (const cv::Point& p : labelled) {
-    const int u = p.x, v = p.y, i = v * width + u;
+  for (const int i : border) {
+    const int u = i % width, v = i / width;
     if (u > 0 && id[i - 1] < 0) background.follow(i, -1, u, width - u);
     if (u + 1 < width && id[i + 1] < 0) background.follow(i, 1, width - 1 - u, u + 1);
     if (v > 0 && id[i - width] < 0) background.follow(i, -width, v, height - v);
@@ -153,8 +164,9 @@ void findContinuedBackground(const ConnectedRegions& masks, const std::vector<cv
 
 void findBands(const ConnectedRegions& masks, const std::vector<cv::Point>& labelled, const Steps& steps,
                const cv::Mat1f& depth_m, int width_px, cv::Mat1b& bands, cv::Mat1b& scratch) {
-  findHiddenBackground(masks, labelled, steps, width_px, bands, scratch);
-  findContinuedBackground(masks, labelled, depth_m, width_px, bands);
+  const std::vector<int> border = findBorder(masks, labelled);
+  findHiddenBackground(border, masks, labelled, steps, width_px, bands, scratch);
+  findContinuedBackground(border, masks, depth_m, width_px, bands);
 }
 
 }  // namespace semantic_vslam

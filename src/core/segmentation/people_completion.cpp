@@ -30,12 +30,11 @@ class SurfaceStep {
 
 }  // namespace
 
-cv::Mat1b PeopleCompletion::complete(const Segmentation& segmentation, std::uint8_t person, const RgbdFrame& frame) {
-  const cv::Mat1b& labels = segmentation.labels;
-  const cv::Mat1b& weak = segmentation.weak_people;
-  assert(labels.size() == frame.depth_m.size() && weak.size() == labels.size());
+void PeopleCompletion::complete(cv::Mat1b& labels, const cv::Mat1b& weak_people, std::uint8_t person,
+                                const RgbdFrame& frame) {
+  assert(labels.size() == frame.depth_m.size() && weak_people.size() == labels.size());
   takeEvery(stride_, labels, labels_);
-  takeEvery(stride_, weak, weak_);
+  takeEvery(stride_, weak_people, weak_);
   takeEvery(stride_, frame.depth_m, depth_m_);
   const float* z = depth_m_.ptr<float>();
   const SurfaceStep step(stride_, std::min(frame.camera->fx(), frame.camera->fy()));
@@ -51,25 +50,23 @@ cv::Mat1b PeopleCompletion::complete(const Segmentation& segmentation, std::uint
     const int surface = surfaces_.id(p);
     if (strong_px[surface] >= min_share_ * surfaces_.size_px[surface]) taken_(p) = 255;
   }
-  cv::Mat1b completed = labels.clone();
   const int width = labels.cols;
-  std::vector<std::uint8_t> taken(width);
-  std::vector<float> level_m(width);
+  std::vector<std::uint8_t> taken_row;
+  std::vector<float> level_row;
   for (int row = 0; row < taken_.rows; ++row) {
     if (cv::countNonZero(taken_.row(row)) == 0) continue;
-    expandRow(stride_, taken_, row, taken);
-    expandRow(stride_, depth_m_, row, level_m);
+    const std::uint8_t* taken = expandRow(stride_, taken_, row, taken_row);
+    const float* level_m = expandRow(stride_, depth_m_, row, level_row);
     for (int v = row * stride_; v < std::min((row + 1) * stride_, labels.rows); ++v) {
-      const std::uint8_t* weak_person = weak[v];
+      const std::uint8_t* weak_person = weak_people[v];
       const float* depth = frame.depth_m[v];
-      std::uint8_t* label = completed[v];
+      std::uint8_t* label = labels[v];
       for (int u = 0; u < width; ++u) {
         const bool takes = (taken[u] != 0) & (weak_person[u] != 0) & step.holds(depth[u], level_m[u]);
         label[u] = takes ? person : label[u];
       }
     }
   }
-  return completed;
 }
 
 }  // namespace semantic_vslam

@@ -4,10 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+#include <string>
+
 namespace semantic_vslam {
 namespace {
 
 /// Regions of equal letters; '.' belongs to none.
+template <bool kTransitive = false>
 ConnectedRegions regionsOf(const std::vector<std::string>& rows) {
   std::string all;
   for (const auto& row : rows) all += row;
@@ -17,7 +21,7 @@ ConnectedRegions regionsOf(const std::vector<std::string>& rows) {
     if (all[i] != '.') pixels.emplace_back(i % size.width, i / size.width);
   }
   ConnectedRegions regions;
-  connectRegions(
+  connectRegions<kTransitive>(
       size, pixels, [&](int a, int b) { return all[a] == all[b]; }, regions);
   return regions;
 }
@@ -44,6 +48,19 @@ TEST(ConnectRegions, JoinsArmsThatMeetLate) {
 }
 
 TEST(ConnectRegions, KeepsApartWhatIsNotJoined) { EXPECT_EQ(regionsOf({"abab", "abab"}).count, 4); }
+
+TEST(ConnectRegions, FindsTheSameWhenToldThatEqualityIsTransitive) {
+  std::mt19937 random(1);
+  for (int k = 0; k < 50; ++k) {
+    std::vector<std::string> rows(8, std::string(9, '.'));
+    for (auto& row : rows) {
+      for (char& letter : row) letter = "ab."[random() % 3];
+    }
+    const ConnectedRegions all_asked = regionsOf(rows), regions = regionsOf<true>(rows);
+    EXPECT_EQ(cv::countNonZero(all_asked.id != regions.id), 0);
+    EXPECT_EQ(all_asked.size_px, regions.size_px);
+  }
+}
 
 TEST(ConnectRegions, FindsNothingInNothing) { EXPECT_EQ(regionsOf({"..", ".."}).count, 0); }
 

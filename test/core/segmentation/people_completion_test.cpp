@@ -3,6 +3,7 @@
 #include "semantic_vslam/core/segmentation/people_completion.h"
 
 #include "core/segmentation/fixtures.h"
+#include "semantic_vslam/core/segmentation/segmenter.h"
 
 namespace semantic_vslam {
 namespace {
@@ -22,7 +23,9 @@ struct Scene {
     segmentation.labels(cv::Rect(kBody.x, kBody.y, kBody.width, certain_rows)).setTo(kPerson);
   }
   cv::Mat1b complete(int stride_px = 1) const {
-    return PeopleCompletion(stride_px, 0.4).complete(segmentation, kPerson, frameOf(depth_m));
+    cv::Mat1b labels = segmentation.labels.clone();
+    PeopleCompletion(stride_px, 0.4).complete(labels, segmentation.weak_people, kPerson, frameOf(depth_m));
+    return labels;
   }
 };
 

@@ -3,10 +3,13 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <opencv2/core.hpp>
 #include <vector>
 
 namespace semantic_vslam {
+
+constexpr int kMaxBlockStride = 8;
 
 /// @return row or column of the image, of that many, that stands for one of the grid of blocks of stride x stride px:
 /// the block's middle; the last block may be cut off
@@ -22,22 +25,28 @@ void takeEvery(int stride, const cv::Mat_<T>& image, cv::Mat_<T>& grid) {
   }
   grid.create((image.rows + stride - 1) / stride, (image.cols + stride - 1) / stride);
   for (int v = 0; v < grid.rows; ++v) {
-    const T* from = image[middleOfBlock(v, stride, image.rows)];
+    const T* row = image[middleOfBlock(v, stride, image.rows)];
+    const T* from = row + stride / 2;
     T* to = grid[v];
-    for (int u = 0; u < grid.cols; ++u) to[u] = from[middleOfBlock(u, stride, image.cols)];
+    const int last = grid.cols - 1;
+    for (int u = 0; u < last; ++u, from += stride) to[u] = *from;
+    to[last] = row[middleOfBlock(last, stride, image.cols)];
   }
 }
 
 /// Gives every pixel of a row its block's value, so that pixels are compared with their blocks several at once.
-/// @param row  of the grid  @param pixels  result; its size is the image's width
+/// @param stride  at most kMaxBlockStride  @param row  of the grid
+/// @param memory  for the result; grown at need
+/// @return the pixels, at least as many as the image is wide
 template <class T>
-void expandRow(int stride, const cv::Mat_<T>& grid, int row, std::vector<T>& pixels) {
+const T* expandRow(int stride, const cv::Mat_<T>& grid, int row, std::vector<T>& memory) {
+  memory.resize(static_cast<std::size_t>(grid.cols) * stride + kMaxBlockStride);
   const T* value = grid[row];
-  T* to = pixels.data();
-  const int width = static_cast<int>(pixels.size());
-  for (int first = 0; first < stride; ++first) {
-    for (int u = first, block = 0; u < width; u += stride, ++block) to[u] = value[block];
-  }
+  T* to = memory.data();
+  // A number of copies that the compiler knows is one or two stores; the next block writes over those that are too
+  // many.
+  for (int block = 0; block < grid.cols; ++block, to += stride) std::fill_n(to, kMaxBlockStride, value[block]);
+  return memory.data();
 }
 
 }  // namespace semantic_vslam

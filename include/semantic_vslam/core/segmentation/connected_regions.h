@@ -17,9 +17,11 @@ struct ConnectedRegions {
 
 /// Splits pixels into 8-connected regions of those that `joined(a, b)` puts together; a and b are row * width + column.
 /// Regions are numbered in the order of their first pixel. Union-find over one scan: linear in the number of pixels.
+/// @tparam kTransitive  joined(a, b) and joined(b, c) imply joined(a, c), as equal labels do: half of the questions are
+/// saved
 /// @param pixels   the ones to split, in raster order as cv::findNonZero() gives them; others are in no region
 /// @param regions  result; its memory is used again if it is large enough
-template <class Joined>
+template <bool kTransitive = false, class Joined>
 void connectRegions(const cv::Size& size, const std::vector<cv::Point>& pixels, const Joined& joined,
                     ConnectedRegions& regions) {
   const int width = size.width;
@@ -33,14 +35,18 @@ void connectRegions(const cv::Size& size, const std::vector<cv::Point>& pixels, 
     return i;
   };
   const auto join = [&](int a, int b) {
-    if (parent[b] < 0 || parent[a] == parent[b] || !joined(a, b)) return;
+    if (parent[b] < 0) return false;
+    if (parent[a] == parent[b]) return true;
+    if (!joined(a, b)) return false;
     const int root_a = rootOf(a), root_b = rootOf(b);
     parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
+    return true;
   };
   for (const cv::Point& p : pixels) {
     const int i = p.y * width + p.x;
     parent[i] = i;
-    if (p.y > 0) join(i, i - width);  // first, for it is most often joined to the other three already
+    // The one above first, for it is most often joined to the other three already, being their neighbour.
+    if (p.y > 0 && join(i, i - width) && kTransitive) continue;
     if (p.x > 0) join(i, i - 1);
     if (p.y == 0) continue;
     if (p.x > 0) join(i, i - width - 1);

@@ -9,6 +9,7 @@
 
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/common/rng.h"
+#include "semantic_vslam/core/segmentation/block_grid.h"
 #include "semantic_vslam/core/segmentation/label_set.h"
 #include "semantic_vslam/core/segmentation/region_growth.h"
 #include "semantic_vslam/core/segmentation/segmenter.h"
@@ -39,7 +40,7 @@ struct RefinementConfig {
     v.choice("average", average, {"mean", "median"},
              "eq. (3) over the samples; the mean is as published, the median ignores samples on the object's edge");
     v.field("seed", seed, 0, 1000000000, "of the random samples");
-    v.field("stride_px", stride_px, 1, 8,
+    v.field("stride_px", stride_px, 1, kMaxBlockStride,
             "regions grow over every so many-th pixel of row and column, and the pixels between go with the one they "
             "are level with; 1: over all, as published, at five times the cost of 3");
     v.field("min_mask_px", min_mask_px, 0, 100000, "smaller connected masks are dropped as noise of the network, px");

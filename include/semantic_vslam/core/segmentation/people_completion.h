@@ -8,7 +8,6 @@
 
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/segmentation/connected_regions.h"
-#include "semantic_vslam/core/segmentation/segmenter.h"
 
 namespace semantic_vslam {
 
@@ -22,9 +21,9 @@ class PeopleCompletion {
   /// @param min_share  strong share of a surface from which on all of it is the person, 0 to 1
   PeopleCompletion(int stride_px, double min_share) : stride_(stride_px), min_share_(min_share) {}
 
-  /// @param person  label of people  @param frame  of the labels' size
-  /// @return labels with the person's label where weak pixels lie on a person's surface.
-  cv::Mat1b complete(const Segmentation& segmentation, std::uint8_t person, const RgbdFrame& frame);
+  /// @param labels  get the person's label where weak pixels lie on a person's surface
+  /// @param weak_people  not 0: may be a person  @param person  label of people  @param frame  all of one size
+  void complete(cv::Mat1b& labels, const cv::Mat1b& weak_people, std::uint8_t person, const RgbdFrame& frame);
 
  private:
   int stride_;

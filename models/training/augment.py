@@ -16,18 +16,20 @@ PERSON_ODDS = 0.6        # of a paste; the other classes share the rest
 MIN_CUTOUT_PX = 400      # smaller ones show too little of the object
 MIN_CUTOUT_SHARE = 0.35  # of its box: scattered pieces are no object
 MAX_CUTOUTS = 400        # a source and class; enough to vary, and bounded in memory
-NEAR = 0.4               # of the people pasted: so near that the image shows a part of the body
+NEAR = 0.5               # of the people pasted: so near that the image shows a part of the body
 BEHIND = 0.6             # of what is pasted where depth is known: behind what is nearer than some distance
-MAX_ENLARGED = 3.0       # times, of a cutout: beyond, cloth is a blur
+MAX_ENLARGED = 6.0       # times, of a cutout: smooth then, as what moves close before a camera
+SMOOTH = 0.5             # of the near people: out of focus or moving, blurred by up to MAX_SMOOTH of the sample's width
+MAX_SMOOTH = 0.006
 
 
 def crop(image, label, size, rng):
-    """A random part, 50 % to 120 % of the image, its aspect ratio changed by up to 20 %, perhaps mirrored.
+    """A random part, 60 % to 120 % of the image, its aspect ratio changed by up to 20 %, perhaps mirrored.
 
     @return image and label of `size` (width, height), and the 2x3 transformation from px of the image to px of the part"""
     width, height = size
     h, w = label.shape
-    scale = np.exp(rng.uniform(np.log(0.5), np.log(1.2))) * min(w / width, h / height)
+    scale = np.exp(rng.uniform(np.log(0.6), np.log(1.2))) * min(w / width, h / height)
     aspect = np.exp(rng.uniform(-0.2, 0.2))
     part_w, part_h = width * scale * aspect, height * scale / aspect
     x = rng.uniform(min(0, w - part_w), max(0, w - part_w))
@@ -128,24 +130,27 @@ class Cutout:
     def paste(self, image, label, hints, depth, rng):
         """@param depth  HxW uint16, 0 where unknown, which gets the cutout's; or None  @return image, label, hints"""
         size = (label.shape[1], label.shape[0])
-        warp = self._transformation(size, rng)
+        warp, near = self._transformation(size, rng)
         alpha = cv2.warpAffine(self.mask.astype(np.float32), warp, size)
         if depth is not None:
             _hide(alpha, depth, rng)
         patch = relight(cv2.warpAffine(self.patch, warp, size, borderMode=cv2.BORDER_REFLECT_101), rng) * np.float32(255)
+        if near and rng.random() < SMOOTH:
+            patch = cv2.GaussianBlur(patch, (0, 0), max(0.3, rng.uniform(0, MAX_SMOOTH) * size[0]))
         soft = cv2.GaussianBlur(alpha, (0, 0), rng.uniform(0.5, 1.2))[..., None]
         image = np.clip(image + (patch - image) * soft, 0, 255).astype(np.uint8)
         label = np.where(alpha > 0.5, np.uint8(self.label), label)
         return image, label, self._pasted_hints(hints, alpha, warp, size)
 
     def _transformation(self, size, rng):
-        """@return 2x3, px of the patch -> px of the sample"""
+        """@return 2x3, px of the patch -> px of the sample; whether it is a person so near that a part is seen"""
         person = self.label == PERSON
         rows, columns = self.mask.shape
         angle = rng.uniform(-10, 10) if person else rng.uniform(-25, 25)
         to = (rng.uniform(0, size[0]), rng.uniform(0.2, 1.0) * size[1])
         centre = (columns / 2, rows / 2)
-        if person and rng.random() < NEAR:
+        near = person and rng.random() < NEAR
+        if near:
             scale = min(MAX_ENLARGED, rng.uniform(0.3, 0.8) * size[0] / columns)
             centre, to = (columns / 2, rng.uniform(0.2, 0.9) * rows), (to[0], size[1] / 2)
         else:
@@ -155,7 +160,7 @@ class Cutout:
         warp[:, 2] += (to[0] - centre[0], to[1] - centre[1])
         if rng.random() < 0.5:
             warp = warp @ np.array([[-1, 0, columns - 1], [0, 1, 0], [0, 0, 1.0]])
-        return warp
+        return warp, near
 
     def _pasted_hints(self, hints, alpha, warp, size):
         to_patch = np.array([[1, 0, -self.corner[0]], [0, 1, -self.corner[1]], [0, 0, 1.0]])

@@ -6,10 +6,13 @@ import torch
 from torch import nn
 import torch.nn.functional as F
 
+from classes import PERSON
+
 DETAIL_CHANNELS = (64, 64, 128)         # stages S1-S3 of the detail branch, table 1
 SEMANTIC_CHANNELS = (16, 32, 64, 128)   # stem, S3, S4, S5 of the semantic branch, table 1
 EXPANSION = 6                           # of gather-and-expansion
 AUX_HEAD_CHANNELS = 128
+EDGE_CELLS = 3                          # of TwoScales
 TRAINING_HEADS = ('boosters.', 'hints.')
 
 
@@ -182,6 +185,32 @@ class BiSeNetV2(nn.Module):
             return (logits, [head(stage) for head, stage in zip(self.boosters, stages)],
                     [head(features) for head, features in zip(self.hints, (aggregated, context))])
         return logits
+
+
+class TwoScales(BiSeNetV2):
+    """The network at inference with a second look, a quarter of its work, at the image at half its size, for people who are so near
+    that they fill the view: there they are as large as those it has learnt. Not part of the paper; networks on several scales are
+    (Chen et al., "Attention to Scale", CVPR 2016). H and W even multiples of 16."""
+
+    def forward(self, image):
+        return with_large_people(super().forward(image), super().forward(F.avg_pool2d(image, 2)))
+
+
+def with_large_people(logits, half):
+    """Makes a place a person where the image at half its size shows the inside of one: where the person's logit is above all others
+    within EDGE_CELLS too. Edges and small people stay those of the whole image, for a cell of the half one is twice as wide and the
+    place of an edge is known to one and a half of them.
+
+    @param logits  N x classes x H x W  @param half  N x classes x about H/2 x W/2  @return logits"""
+    margin = resize(half[:, PERSON:PERSON + 1] - _largest_other(half), logits.shape[2:])
+    inside = -F.max_pool2d(-margin, 2 * EDGE_CELLS + 1, stride=1, padding=EDGE_CELLS)  # the least of the neighbourhood
+    person = torch.maximum(logits[:, PERSON:PERSON + 1], _largest_other(logits) + inside)
+    return torch.cat((logits[:, :PERSON], person, logits[:, PERSON + 1:]), dim=1)
+
+
+def _largest_other(logits):
+    """@return N x 1 x H x W, the largest logit but the person's"""
+    return torch.cat((logits[:, :PERSON], logits[:, PERSON + 1:]), dim=1).amax(dim=1, keepdim=True)
 
 
 def _initialise(module):

@@ -3,9 +3,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Writes a checkpoint as ONNX with its sidecar: OUT.onnx and OUT.yaml, ready for segmentation.model.
 
-usage: export.py CHECKPOINT.pt OUT.onnx [--size WIDTHxHEIGHT] [--small] [--favour-people 0.3]
+usage: export.py CHECKPOINT.pt OUT.onnx [--size WIDTHxHEIGHT] [--small] [--favour-people 0.3] [--two-scales]
 
 --favour-people is added to the person's logit: one who is missed enters pose and map, one too many costs a piece of the map.
+
+--two-scales looks at the image at half its size too, for people who fill the view (bisenetv2.TwoScales); a quarter more work.
 
 --small stores the weights in 8 bits, a quarter of the file; the network still computes in float (needs the Python package onnx).
 """
@@ -67,11 +69,12 @@ def main(argv=None):
     parser.add_argument('out')
     parser.add_argument('--size', type=parse_size, help='of the input, px; that of the training otherwise')
     parser.add_argument('--favour-people', type=float, default=0.0, help='logit; 0.3 makes a person 1.35 times as likely')
+    parser.add_argument('--two-scales', action='store_true')
     parser.add_argument('--small', action='store_true')
     args = parser.parse_args(argv)
     if not args.out.endswith('.onnx'):
         raise SystemExit(f"'{args.out}' must end in .onnx")
-    model, checkpoint = load_network(args.checkpoint)
+    model, checkpoint = load_network(args.checkpoint, args.two_scales)
     with torch.no_grad():
         model.head[-1].bias[PERSON] += args.favour_people
     export(model, args.out, args.size or tuple(checkpoint['size']))

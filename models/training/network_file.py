@@ -5,7 +5,7 @@ import os
 
 import torch
 
-from bisenetv2 import TRAINING_HEADS, BiSeNetV2
+from bisenetv2 import TRAINING_HEADS, BiSeNetV2, TwoScales
 from classes import CLASSES, NAMES
 
 MEAN = (0.485, 0.456, 0.406)  # red, green, blue of photographs in [0, 1]; any fixed choice does, it goes to the sidecar
@@ -32,10 +32,10 @@ def load_checkpoint(path):
     return torch.load(path, map_location='cpu')
 
 
-def load_network(path):
+def load_network(path, two_scales=False):
     """@return the averaged network of a checkpoint, ready to infer, and the checkpoint."""
     checkpoint = load_checkpoint(path)
-    model = BiSeNetV2(len(NAMES), checkpoint['head_channels'], boosters=False)
+    model = (TwoScales if two_scales else BiSeNetV2)(len(NAMES), checkpoint['head_channels'], boosters=False)
     model.load_state_dict({k: v for k, v in checkpoint['average'].items() if not k.startswith(TRAINING_HEADS)})
     return model.eval(), checkpoint
 

@@ -66,10 +66,39 @@ def prepare(network, out):
     model.graph.initializer.extend(onnx.numpy_helper.from_array(values, name) for name, values in plain.items())
     quant_pre_process(model, out)
     model = onnx.load(out)
+    _give_each_its_own(model.graph)
     _split_expansions(model.graph)
     _halve_first(model.graph)
+    _share_equal(model.graph)
     onnx.checker.check_model(model)
     onnx.save(model, out)
+
+
+def _give_each_its_own(graph):
+    """Copies weights that several convolutions use, so that each can be changed for itself."""
+    weights, used = {w.name: w for w in graph.initializer}, set()
+    for node in graph.node:
+        for i, name in enumerate(node.input) if node.op_type == 'Conv' else ():
+            if name in used:
+                graph.initializer.add().CopyFrom(weights[name])
+                node.input[i] = graph.initializer[-1].name = f'{name}_of_{node.name}'
+            elif name in weights:
+                used.add(name)
+
+
+def _share_equal(graph):
+    """Stores equal weights of several convolutions once; a bias is quantised by what comes in, and stays for itself."""
+    first, same = {}, {}
+    for weights in graph.initializer:
+        content = (tuple(weights.dims), weights.raw_data)
+        if len(weights.dims) == 4 and first.setdefault(content, weights.name) != weights.name:
+            same[weights.name] = first[content]
+    for node in graph.node:
+        for i, name in enumerate(node.input):
+            node.input[i] = same.get(name, name)
+    kept = [weights for weights in graph.initializer if weights.name not in same]
+    del graph.initializer[:]
+    graph.initializer.extend(kept)
 
 
 def _split_expansions(graph):
@@ -102,31 +131,45 @@ def _split_expansions(graph):
 
 
 def _halve_first(graph):
-    """Gives the 3x3 convolutions of stride 2 on the image the image at half its size with four times the channels, of which they are
-    2x2 convolutions and, in ONNX Runtime, four times as fast."""
+    """Gives the 3x3 convolutions of stride 2 on the image, and on the pooled image of a network for two scales, an image of half the
+    size with four times the channels, of which they are 2x2 convolutions and, in ONNX Runtime, four times as fast."""
     from onnx import helper, numpy_helper
-    image = graph.input[0].name
     weights = {w.name: w for w in graph.initializer}
+    image = graph.input[0].name
+    images = [image] + [node.output[0] for node in graph.node if node.op_type == 'AveragePool' and image in node.input]
 
     def attributes(node):
         return {a.name: helper.get_attribute_value(a) for a in node.attribute}
 
-    first = [node for node in graph.node if image in node.input]
-    if any(node.op_type != 'Conv' or attributes(node)['kernel_shape'] != [3, 3] or attributes(node)['strides'] != [2, 2]
-           or attributes(node)['pads'] != [1, 1, 1, 1] for node in first):
-        return
-    for node in first:
+    for node in [n for n in graph.node if n.op_type == 'Conv' and n.input[0] in images]:
+        has = attributes(node)
+        if (has['kernel_shape'], has['strides'], has['pads'], has['group']) != ([3, 3], [2, 2], [1, 1, 1, 1], 1):
+            continue
         values = numpy_helper.to_array(weights[node.input[1]])
         padded = np.pad(values, ((0, 0), (0, 0), (1, 0), (1, 0)))  # from one pixel further up and left: two blocks of 2x2
         outputs, channels = values.shape[:2]
         blocks = padded.reshape(outputs, channels, 2, 2, 2, 2).transpose(0, 3, 5, 1, 2, 4).reshape(outputs, 4 * channels, 2, 2)
         weights[node.input[1]].CopyFrom(numpy_helper.from_array(np.ascontiguousarray(blocks), node.input[1]))
-        node.input[0] = image + '_halved'
         for attribute in node.attribute:
             if attribute.name in ('kernel_shape', 'strides', 'pads'):
                 del attribute.ints[:]
                 attribute.ints.extend({'kernel_shape': [2, 2], 'strides': [1, 1], 'pads': [1, 1, 0, 0]}[attribute.name])
-    graph.node.insert(0, helper.make_node('SpaceToDepth', [image], [image + '_halved'], image + '_halved', blocksize=2))
+        halved = node.input[0] + '_halved'
+        if not any(halved in n.output for n in graph.node):
+            place = list(graph.node).index(node)
+            graph.node.insert(place, helper.make_node('SpaceToDepth', [node.input[0]], [halved], halved, blocksize=2))
+        node.input[0] = halved
+
+
+def after_convolutions(graph):
+    """@return names of the nodes that only work on the logits, in which two scales are joined"""
+    lead_on, names = set(), []
+    for node in reversed(graph.node):
+        if node.op_type == 'Conv' or lead_on.intersection(node.output):
+            lead_on.update(node.input)
+        else:
+            names.append(node.name)
+    return names
 
 
 def activation_ranges(prepared, images):
@@ -171,7 +214,8 @@ def main(argv=None):
     paths = [path for folder in args.images for path in spread(folder, -(-args.count // len(args.images)))]
     prepared = args.out + '.float'
     prepare(args.network, prepared)
-    in_float = [node.name for node in onnx.load(prepared).graph.node if node.op_type == 'BatchNormalization']  # of a single pixel
+    graph = onnx.load(prepared).graph
+    in_float = [node.name for node in graph.node if node.op_type == 'BatchNormalization'] + after_convolutions(graph)  # little work
     ranges = activation_ranges(prepared, Images(paths, size))
     overrides = {name: [{'rmin': np.float32(low), 'rmax': np.float32(high)}] for name, (low, high) in ranges.items()}
     quantize_static(prepared, args.out, Images(paths[:1], size), quant_format=QuantFormat.QDQ, per_channel=True,

@@ -36,7 +36,8 @@ LOG_FIELDS = ('step', 'loss', 'mean_iou', 'person_iou')
 LOSS_STRIDE = 2      # px of the label image per pixel of the loss: at full size it costs as much as the network
 BOOSTER_STRIDE = 4
 HINT_WEIGHT = 1.0
-CLASS_WEIGHTS = [1.0 if name in ('background', 'person') else 1.5 for name in NAMES]  # the rarer, the more
+SMALL = ('keyboard', 'mouse', 'bottle', 'cup')
+CLASS_WEIGHTS = [1.0 if name in ('background', 'person') else 2.0 if name in SMALL else 1.5 for name in NAMES]  # the rarer, the more
 SHARE_EVERY = 5      # steps between averages of the processes' weights
 SCORED_IMAGES = 40   # of a folder's held-back fold while training; evaluate.py takes all
 

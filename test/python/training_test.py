@@ -31,6 +31,7 @@ try:
     import dataset
     import evaluate
     import export
+    import narrow
     import network_file
     import quantize
     import scores
@@ -341,6 +342,17 @@ class Network(unittest.TestCase):
         self.assertEqual([tuple(b.shape[2:]) for b in boosters], [(16, 24), (8, 12), (4, 6), (2, 3)])
         self.assertEqual(tuple(model.eval()(images).shape), (2, 11, 8, 12))
 
+    def test_two_scales_find_the_inside_of_large_people_and_leave_edges_to_the_whole_image(self):
+        logits, half = torch.zeros(1, len(NAMES), 40, 60), torch.zeros(1, len(NAMES), 20, 30)
+        logits[:, 0], half[:, 0] = 1, 1
+        logits[:, PERSON, 2:5, 2:5] = 2       # a small person of the whole image
+        half[:, PERSON, 2:18, 16:] = 3        # a large one of the half: rows 4 to 35, columns 32 on
+        half[:, PERSON, 10:12, 4:6] = 3       # and one as large as two cells
+        found = bisenetv2.with_large_people(logits, half).argmax(1)[0] == PERSON
+        expected = torch.zeros(40, 60, dtype=torch.bool)
+        expected[2:5, 2:5] = expected[4 + 3:36 - 3, 32 + 3:] = True
+        self.assertTrue(torch.equal(found, expected), found.int())
+
     def test_hard_pixel_loss_ignores_unlabelled_pixels(self):
         logits = torch.zeros(1, len(NAMES), 2, 2)
         logits[0, PERSON] = 9
@@ -468,14 +480,16 @@ class Training(unittest.TestCase):
         self.train(5)
         checkpoint = os.path.join(self.out, 'last.pt')
         network, small = os.path.join(self.out, 'net.onnx'), os.path.join(self.out, 'net8.onnx')
-        export.main([checkpoint, network])
-        quantize.main([network, small, os.path.join(self.data, 'images'), '--count', '4'])
-        self.assertLess(os.path.getsize(small), 0.4 * os.path.getsize(network))
-        expected = evaluate.main([checkpoint, self.data, '--all'])['iou']
-        for path, tolerance in ((network, 1e-3), (small, 0.05)):
-            found = evaluate.main([path, self.data, '--all'])['iou']
-            for name in ('background', 'person'):
-                self.assertAlmostEqual(found.get(name, 0), expected.get(name, 0), delta=tolerance, msg=path)
+        for options in (['--two-scales'], []):
+            export.main([checkpoint, network, *options])
+            quantize.main([network, small, os.path.join(self.data, 'images'), '--count', '4'])
+            self.assertLess(os.path.getsize(small), 0.4 * os.path.getsize(network))
+            model = network_file.load_network(checkpoint, two_scales=bool(options))[0]
+            expected = scores.evaluate(model, [dataset.LabelledFolder(self.data)], SIZE)
+            for path, tolerance in ((network, 1e-3), (small, 0.05)):
+                found = evaluate.main([path, self.data, '--all'])['iou']
+                for name in ('background', 'person'):
+                    self.assertAlmostEqual(found.get(name, 0), expected.get(name, 0), delta=tolerance, msg=path)
         with self.assertRaisesRegex(SystemExit, 'cannot be loaded'):
             evaluate.main([os.path.join(self.out, 'none.onnx'), self.data])
         with self.assertRaisesRegex(SystemExit, 'holds no .jpg or .png'):
@@ -491,7 +505,8 @@ class Training(unittest.TestCase):
     def test_a_network_prepared_for_quantising_computes_the_same_with_convolutions_that_are_fast(self):
         self.train(5)
         image = np.random.default_rng(3).uniform(-2, 2, (1, 3, 64, 96)).astype(np.float32)
-        for options in ([], ['--small']):
+        for options in ([], ['--small'], ['--small', '--two-scales']):
+            scales = 1 + ('--two-scales' in options)
             network, prepared = (os.path.join(self.out, name) for name in ('net.onnx', 'net.float'))
             export.main([os.path.join(self.out, 'last.pt'), network, *options])
             quantize.prepare(network, prepared)
@@ -502,9 +517,12 @@ class Training(unittest.TestCase):
             groups = [(next(a.i for a in n.attribute if a.name == 'group'), outputs[n.input[1]])
                       for n in graph.node if n.op_type == 'Conv']
             self.assertTrue(all(group in (1, out) for group, out in groups), groups)
-            self.assertEqual(sum(n.op_type == 'BatchNormalization' for n in graph.node), 1)  # of the image's mean
-            on_image = [n.op_type for n in graph.node if 'image' in n.input]
-            self.assertEqual(on_image, ['SpaceToDepth'])
+            self.assertEqual(sum(n.op_type == 'BatchNormalization' for n in graph.node), scales)  # of the image's mean
+            on_image = sorted(n.op_type for n in graph.node if 'image' in n.input)
+            self.assertEqual(on_image, ['SpaceToDepth'] if scales == 1 else ['AveragePool', 'SpaceToDepth'])
+            self.assertEqual(sum(n.op_type == 'SpaceToDepth' for n in graph.node), scales)
+            kernels = [w.raw_data for w in graph.initializer if len(w.dims) == 4]
+            self.assertEqual(len(kernels), len(set(kernels)))  # both scales share them
 
     @unittest.skipIf(onnx is None or onnxruntime is None, 'needs onnx and onnxruntime')
     def test_ranges_of_activations_leave_the_rare_giants_out(self):
@@ -525,7 +543,7 @@ class Training(unittest.TestCase):
         self.train(5)
         files = [os.path.join(self.out, 'last.pt')]
         if onnx is not None:
-            for options in ([], ['--small']):
+            for options in ([], ['--small'], ['--two-scales']):
                 files.append(os.path.join(self.out, f'net{len(files)}.onnx'))
                 export.main([files[0], files[-1], *options])
         image = torch.rand(1, 3, 64, 96)
@@ -537,6 +555,22 @@ class Training(unittest.TestCase):
                 self.assertLess((model(image) - expected).abs().max(), 3e-2 * expected.abs().max(), path)
                 with self.assertRaisesRegex(SystemExit, 'is not this network'):
                     network_file.load_weights(bisenetv2.BiSeNetV2(len(NAMES), 64), path)
+
+    def test_a_narrowed_head_gives_the_logits_of_the_wide_one_and_is_trained_on(self):
+        self.train(5)
+        wide, small = os.path.join(self.out, 'last.pt'), os.path.join(self.out, 'small.pt')
+        saved = network_file.load_checkpoint(wide)
+        saved['average']['head.2.weight'][:, 4:] = 0  # of 32 channels four count
+        network_file.save_checkpoint(wide, **saved)
+        narrow.main([wide, small, self.data, '--head', '8', '--size', '96x64'])
+        image = network_file.normalise(dataset.planar(dataset.LabelledFolder(self.data).load(3).image)[None])
+        with torch.no_grad():
+            expected, found = (network_file.load_network(path)[0](image) for path in (wide, small))
+        self.assertLess((found - expected).abs().max(), 0.05 * expected.std())
+        self.out = os.path.join(self.folder.name, 'narrowed')
+        self.train(1, '--from', small, '--head', '8')
+        with self.assertRaisesRegex(SystemExit, 'has a head of 32 channels; --head must be less'):
+            narrow.main([wide, small, self.data, '--head', '32', '--size', '96x64'])
 
     def test_says_what_is_wrong_with_the_weights_to_begin_with(self):
         model = bisenetv2.BiSeNetV2(len(NAMES), 32)

@@ -38,12 +38,12 @@ def depthwise(inputs, outputs, stride=1):
 
 
 class DetailBranch(nn.Sequential):
-    """Wide and shallow: spatial detail at 1/8."""
+    """Wide and shallow: spatial detail at 1/8. @param first  channels of the two convolutions of S1"""
 
-    def __init__(self):
-        a, b, c = DETAIL_CHANNELS
-        super().__init__(conv_bn(3, a, stride=2), conv_bn(a, a),
-                         conv_bn(a, b, stride=2), conv_bn(b, b), conv_bn(b, b),
+    def __init__(self, first):
+        _, b, c = DETAIL_CHANNELS
+        super().__init__(conv_bn(3, first[0], stride=2), conv_bn(*first),
+                         conv_bn(first[1], b, stride=2), conv_bn(b, b), conv_bn(b, b),
                          conv_bn(b, c, stride=2), conv_bn(c, c), conv_bn(c, c))
 
 
@@ -157,15 +157,16 @@ class BiSeNetV2(nn.Module):
     @param boosters       the four heads on the semantic branch that training needs (figure 2); not counted at inference
     @param hints          numbers that two more heads predict while training, from the aggregated features and from the
                           context (hints.py); not part of the paper, not counted at inference
+    @param detail         channels of the detail branch's first two convolutions; narrow.py halves them
 
     In:  N x 3 x H x W, normalised, H and W multiples of 32.
     Out: logits N x classes x H/8 x W/8; in training mode with boosters (logits, [four more at 1/4, 1/8, 1/16, 1/32],
          [N x hints at 1/8 and at 1/32]).
     """
 
-    def __init__(self, classes, head_channels=1024, boosters=True, hints=0):
+    def __init__(self, classes, head_channels=1024, boosters=True, hints=0, detail=DETAIL_CHANNELS[:1] * 2):
         super().__init__()
-        self.detail = DetailBranch()
+        self.detail = DetailBranch(detail)
         self.semantic = SemanticBranch()
         self.aggregate = GuidedAggregation(DETAIL_CHANNELS[-1])
         self.head = Head(DETAIL_CHANNELS[-1], head_channels, classes)

@@ -1,78 +1,108 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Narrows the last head of a trained network, a quarter of the network's time, to the hidden channels that its logits need most.
+"""Narrows a trained network where it is wide at most cost: the last head, and the first two convolutions, at half the input's size.
 
-usage: narrow.py CHECKPOINT.pt OUT.pt DIR ... --head 256 --size 640x480 [--images 140]
+usage: narrow.py CHECKPOINT.pt OUT.pt DIR ... --size 640x480 [--head 256] [--detail 32] [--images 120]
 
-Channels are chosen one after the other, each the one that explains most of what those before it leave of the logits (orthogonal
-matching pursuit, Pati et al., Asilomar 1993), over images of the data's training part; the logits are then fitted anew to the chosen
-ones by least squares. Places of rare classes weigh more. Go on with train.py --from OUT.pt --head 256.
+Of a convolution's channels those are kept that the next one needs most (He, Zhang and Sun, "Channel Pruning for Accelerating Very
+Deep Neural Networks", ICCV 2017), here chosen one after the other, each the one that explains most of what those before it leave of
+the next one's output (orthogonal matching pursuit, Pati et al., Asilomar 1993), at random places of the data's training part. The
+next one's weights are then fitted anew by least squares. Export OUT.pt, or go on with train.py --from OUT.pt --head 256.
 """
 import argparse
 
 import numpy as np
 import torch
+import torch.nn.functional as F
 
 from dataset import LabelledFolder, resized
-from network_file import load_network, normalise, save_checkpoint
+from network_file import load_network, network_of, normalise, save_checkpoint
 from train import parse_size
 
-PLACES = 500    # of each image's logits, and half as many of it at half the size
-RAREST = 1e-3   # share of the places below which a class weighs no more
+PLACES = 400    # of each image's output, and half as many of it at half the size
+RAREST = 1e-3   # share of the places below which a class weighs no more: rare ones weigh more in the logits
 RIDGE = 1e-6    # of each channel's own square sum: two channels may be nearly the same
 
 
-def hidden_and_logits(model, images, size, rng):
-    """@param images  HxWx3 uint8 arrays  @return N x hidden channels, N x classes, float64: at places drawn at random"""
-    inputs, outputs = [], []
-    hook = model.head[-1].register_forward_hook(lambda _, given, result: (inputs.append(given[0]), outputs.append(result)))
-    with torch.no_grad():
-        for image in images:
-            for part in (1, 2):
-                before = len(inputs)
-                model(normalise(resized(image, None, (size[0] // part, size[1] // part))[0][None]))
-                for kept in (inputs, outputs):
-                    kept[before] = kept[before][0].flatten(1).T
-                places = torch.from_numpy(rng.permutation(len(inputs[before]))[:PLACES // part])
-                inputs[before], outputs[before] = inputs[before][places], outputs[before][places]
-    hook.remove()
-    return torch.cat(inputs).double(), torch.cat(outputs).double()
+def patches_and_outputs(narrow, wide, name, images, size, rng):
+    """What a convolution of the narrowed network reads, and what the wide one makes of it, at places drawn at random.
+
+    @param name  of the convolution  @param images  HxWx3 uint8 arrays
+    @return N x channels * kernel's area, N x outputs, float64"""
+    seen = {}
+    part = 'detail' if name.startswith('detail') else ''
+    hooks = [network.get_submodule(name).register_forward_hook(
+        lambda _, given, result, network=network: seen.update({network: (given[0], result)})) for network in (narrow, wide)]
+    conv = narrow.get_submodule(name)
+    kernel, stride = conv.kernel_size[0], conv.stride[0]
+    patches, outputs = [], []
+    for image in images:
+        for scale in (1, 2):
+            tensor = normalise(resized(image, None, (size[0] // scale, size[1] // scale))[0][None])
+            with torch.no_grad():
+                for network in (narrow, wide):
+                    network.get_submodule(part)(tensor)
+            given, wanted = seen[narrow][0], seen[wide][1][0]
+            padded = F.pad(given, [kernel // 2] * 4)[0]
+            v, u = (torch.from_numpy(rng.integers(0, side, PLACES // scale)) for side in wanted.shape[1:])
+            patch = [padded[:, v * stride + dv, u * stride + du] for dv in range(kernel) for du in range(kernel)]
+            patches.append(torch.stack(patch, 1).flatten(0, 1).T)
+            outputs.append(wanted[:, v, u].T)
+    for hook in hooks:
+        hook.remove()
+    return torch.cat(patches).double(), torch.cat(outputs).double()
 
 
-def choose(gram, cross, count):
-    """@param gram  C x C, sums of products of the channels  @param cross  C x K, of channels and logits
-    @return indices of `count` channels in rising order, chosen after the last one, which stands for the constant"""
-    own, gram, cross = torch.diag(gram).clone(), gram.clone(), cross.clone()
-    chosen = [len(gram) - 1]
-    while True:
-        last = gram[:, chosen[-1]].clone()
-        pivot = last[chosen[-1]].clone()
-        cross -= torch.outer(last, cross[chosen[-1]]) / pivot
-        gram -= torch.outer(last, last) / pivot
-        if len(chosen) > count:
-            return sorted(chosen[1:])
-        left = torch.diag(gram)
-        gain = cross.square().sum(1) / left.clamp(min=1e-12)
-        gain[left <= 1e-4 * own] = -1  # the chosen ones explain it; and it itself, once chosen
-        chosen.append(int(gain.argmax()))
+def choose(gram, cross, area, count):
+    """@param gram   sums of products of the inputs, `area` consecutive ones for each channel
+    @param cross  of inputs and outputs  @return `count` channels in rising order"""
+    channels = len(gram) // area
+    ridge = RIDGE * torch.diag(gram).reshape(channels, area).diag_embed() + 1e-9 * torch.eye(area, dtype=gram.dtype)
+    every = torch.arange(channels)
+    chosen = []
+    while len(chosen) < count:
+        own = gram.reshape(channels, area, channels, area)[every, :, every] + ridge
+        left = cross.reshape(channels, area, -1)
+        gain = (left * torch.linalg.solve(own, left)).sum((1, 2))
+        gain[chosen] = -1
+        best = int(gain.argmax())
+        chosen.append(best)
+        rows = slice(best * area, (best + 1) * area)
+        explained = gram[:, rows] @ torch.linalg.solve(own[best], torch.cat((gram[rows], cross[rows]), 1))
+        gram, cross = gram - explained[:, :len(gram)], cross - explained[:, len(gram):]
+    return sorted(chosen)
 
 
-def narrow(weights, hidden, logits, width):
-    """Changes a checkpoint's weights. @return root mean square error of the logits over the places"""
-    shares = torch.bincount(logits.argmax(1), minlength=logits.shape[1]).double() / len(logits)
-    weight = shares.clamp(min=RAREST)[logits.argmax(1)].rsqrt()[:, None]
-    inputs = torch.cat((hidden, torch.ones(len(hidden), 1, dtype=hidden.dtype)), 1)
-    gram, cross = inputs.T @ (weight * inputs), inputs.T @ (weight * logits)
-    kept = torch.tensor(choose(gram, cross, width))
-    fitted = torch.cat((kept, torch.tensor([len(gram) - 1])))
-    gram = gram[fitted][:, fitted]
-    solution = torch.linalg.solve(gram + RIDGE * torch.diag(torch.diag(gram)), cross[fitted])
-    for name in ('head.0.0.weight', *(f'head.0.1.{part}' for part in ('weight', 'bias', 'running_mean', 'running_var'))):
+def fit(patches, outputs, weight, area, count):
+    """@param weight  N x 1, of the places  @return kept channels; outputs x kept inputs, and outputs: least squares' weights and bias"""
+    mean_in, mean_out = ((weight * x).sum(0) / weight.sum() for x in (patches, outputs))
+    patches, outputs = patches - mean_in, outputs - mean_out
+    gram, cross = patches.T @ (weight * patches), patches.T @ (weight * outputs)
+    kept = torch.tensor(choose(gram, cross, area, count))
+    inputs = (kept[:, None] * area + torch.arange(area)).flatten()
+    gram = gram[inputs][:, inputs]
+    solution = torch.linalg.solve(gram + torch.diag(RIDGE * torch.diag(gram) + 1e-9), cross[inputs]).T
+    return kept, solution, mean_out - solution @ mean_in[inputs]
+
+
+def narrow_layer(weights, wide, layer, reader, count, images, size):
+    """Keeps `count` channels of a convolution with normalisation, for the convolution that reads them. Changes weights."""
+    narrow = network_of(weights)
+    patches, outputs = patches_and_outputs(narrow, wide, reader, images, size, np.random.default_rng(1))
+    weight = torch.ones(len(outputs), 1, dtype=outputs.dtype)
+    if reader == 'head.2':
+        shares = torch.bincount(outputs.argmax(1), minlength=outputs.shape[1]).double() / len(outputs)
+        weight = shares.clamp(min=RAREST)[outputs.argmax(1)].rsqrt()[:, None]
+    conv = narrow.get_submodule(reader)
+    kept, solution, bias = fit(patches, outputs, weight, conv.kernel_size[0] ** 2, count)
+    for name in (f'{layer}.0.weight', *(f'{layer}.1.{part}' for part in ('weight', 'bias', 'running_mean', 'running_var'))):
         weights[name] = weights[name][kept]
-    weights['head.2.weight'] = solution[:-1].T.float()[:, :, None, None].contiguous()
-    weights['head.2.bias'] = solution[-1].float()
-    return (inputs[:, fitted] @ solution - logits).square().mean().sqrt().item()
+    weights[f'{reader}.weight'] = solution.float().reshape(len(solution), count, *conv.kernel_size).contiguous()
+    if conv.bias is not None:
+        weights[f'{reader}.bias'] = bias.float()
+    else:
+        weights[f'{reader[:-1]}1.running_mean'] = weights[f'{reader[:-1]}1.running_mean'] - bias.float()  # of its normalisation
 
 
 def main(argv=None):
@@ -80,20 +110,25 @@ def main(argv=None):
     parser.add_argument('checkpoint')
     parser.add_argument('out')
     parser.add_argument('data', nargs='+', help='labelled folders')
-    parser.add_argument('--head', type=int, required=True, help='hidden channels that are left')
+    parser.add_argument('--head', type=int, help='hidden channels of the last head that are left')
+    parser.add_argument('--detail', type=int, help="channels that are left of the detail branch's first two convolutions")
     parser.add_argument('--size', type=parse_size, required=True, help='of the input, px; half of it is looked at too')
-    parser.add_argument('--images', type=int, default=140, help='as many of each folder')
+    parser.add_argument('--images', type=int, default=120, help='as many of each folder')
     args = parser.parse_args(argv)
-    model, checkpoint = load_network(args.checkpoint)
-    if args.head >= checkpoint['head_channels']:
-        raise SystemExit(f"'{args.checkpoint}' has a head of {checkpoint['head_channels']} channels; --head must be less")
+    wide, checkpoint = load_network(args.checkpoint)
+    weights = checkpoint['average']
     folders = [LabelledFolder(folder).split(held_back=False).first(-(-args.images // len(args.data))) for folder in args.data]
-    images = (folder.load(index).image for folder in folders for index in range(len(folder)))
-    hidden, logits = hidden_and_logits(model, images, args.size, np.random.default_rng(1))
-    error = narrow(checkpoint['average'], hidden, logits, args.head)
-    save_checkpoint(args.out, average=checkpoint['average'], head_channels=args.head, size=args.size, step=checkpoint['step'])
-    print(f'{args.out}: {args.head} of {checkpoint["head_channels"]} channels; logits differ by {error:.3f} where they spread by '
-          f'{logits.std().item():.2f}')
+    images = [folder.load(index).image for folder in folders for index in range(len(folder))]
+    for layer, reader, count in (('detail.0', 'detail.1.0', args.detail), ('detail.1', 'detail.2.0', args.detail),
+                                 ('head.0', 'head.2', args.head)):
+        if count is None:
+            continue
+        has = len(weights[f'{layer}.0.weight'])
+        if not 0 < count < has:
+            raise SystemExit(f"'{args.checkpoint}' has {has} channels in {layer}, of which {count} cannot be kept; take fewer")
+        narrow_layer(weights, wide, layer, reader, count, images, args.size)
+        print(f'{layer}: {count} of {has} channels kept')
+    save_checkpoint(args.out, average=weights, head_channels=len(weights['head.0.0.weight']), size=args.size, step=checkpoint['step'])
 
 
 if __name__ == '__main__':

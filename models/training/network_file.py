@@ -5,7 +5,7 @@ import os
 
 import torch
 
-from bisenetv2 import TRAINING_HEADS, BiSeNetV2, TwoScales
+from bisenetv2 import DETAIL_CHANNELS, TRAINING_HEADS, BiSeNetV2, TwoScales
 from classes import CLASSES, NAMES
 
 MEAN = (0.485, 0.456, 0.406)  # red, green, blue of photographs in [0, 1]; any fixed choice does, it goes to the sidecar
@@ -32,12 +32,24 @@ def load_checkpoint(path):
     return torch.load(path, map_location='cpu')
 
 
+def detail_channels(weights):
+    """@return channels of the detail branch's first two convolutions (narrow.py); as published for what is no such network"""
+    names = [f'detail.{k}.0.weight' for k in (0, 1)]
+    return tuple(len(weights[name]) if name in weights else DETAIL_CHANNELS[0] for name in names)
+
+
+def network_of(weights, two_scales=False):
+    """@return a network of the weights' widths, ready to infer"""
+    model = (TwoScales if two_scales else BiSeNetV2)(len(NAMES), len(weights['head.0.0.weight']), boosters=False,
+                                                     detail=detail_channels(weights))
+    model.load_state_dict({k: v for k, v in weights.items() if not k.startswith(TRAINING_HEADS)})
+    return model.eval()
+
+
 def load_network(path, two_scales=False):
     """@return the averaged network of a checkpoint, ready to infer, and the checkpoint."""
     checkpoint = load_checkpoint(path)
-    model = (TwoScales if two_scales else BiSeNetV2)(len(NAMES), checkpoint['head_channels'], boosters=False)
-    model.load_state_dict({k: v for k, v in checkpoint['average'].items() if not k.startswith(TRAINING_HEADS)})
-    return model.eval(), checkpoint
+    return network_of(checkpoint['average'], two_scales), checkpoint
 
 
 class OnnxNetwork:
@@ -77,9 +89,9 @@ def weights_of_small(graph):
     return found
 
 
-def load_weights(model, path):
-    """Gives a model to train the weights of a checkpoint's averaged network or of a network that export.py wrote. What they
-    lack, the heads that only training has, stays as it is. Ends the program if the file is none of these or does not fit."""
+def read_weights(path):
+    """@return {name: tensor} of a checkpoint's averaged network or of a network that export.py wrote. Ends the program if the file
+    is none of these."""
     if path.endswith('.onnx'):
         try:
             import onnx
@@ -98,6 +110,13 @@ def load_weights(model, path):
                 found[node.output[0]] = found[node.input[0]]
     else:
         found = load_checkpoint(path)['average']
+    return found
+
+
+def load_weights(model, path):
+    """Gives a model to train the weights of a file for read_weights. What they lack, the heads that only training has, stays as it
+    is. Ends the program if they do not fit."""
+    found = read_weights(path)
     wanted = model.state_dict()
     fitting = {name: found[name] for name, w in wanted.items() if name in found and found[name].shape == w.shape}
     lacking = [name for name, w in wanted.items()

@@ -29,7 +29,7 @@ import scores
 from bisenetv2 import BiSeNetV2, resize
 from classes import IGNORE, NAMES
 from dataset import AugmentedSamples, LabelledFolder
-from network_file import load_checkpoint, load_weights, normalise, save_checkpoint
+from network_file import detail_channels, load_checkpoint, load_weights, normalise, read_weights, save_checkpoint
 from progress import Bar, plot_curve
 
 LOG_FIELDS = ('step', 'loss', 'mean_iou', 'person_iou')
@@ -168,7 +168,13 @@ class Training:
         if args.threads:
             torch.set_num_threads(args.threads)
         self.bfloat16 = args.precision == 'bfloat16' or (args.precision == 'auto' and computes_bfloat16(self.device))
-        self.model = BiSeNetV2(len(NAMES), args.head, hints=hint.HINTS)
+        os.makedirs(args.out, exist_ok=True)
+        self.last = os.path.join(args.out, 'last.pt')
+        self.log = os.path.join(args.out, 'log.csv')
+        resumes = os.path.exists(self.last)
+        begins_with = self.last if resumes else args.start
+        detail = {'detail': detail_channels(read_weights(begins_with))} if begins_with else {}
+        self.model = BiSeNetV2(len(NAMES), args.head, hints=hint.HINTS, **detail)
         self.model = self.model.to(self.device, memory_format=torch.channels_last)  # the faster layout nearly everywhere
         if args.compile and not hasattr(torch, 'compile'):
             raise SystemExit(f'--compile needs PyTorch 2; this is {torch.__version__}')
@@ -176,10 +182,6 @@ class Training:
         self.optimiser = adamw(self.model.parameters(), args.rate)
         self.step, self.best, self.seconds = 0, -1.0, 0.0
         self.unshared_seconds = 0.0
-        os.makedirs(args.out, exist_ok=True)
-        self.last = os.path.join(args.out, 'last.pt')
-        self.log = os.path.join(args.out, 'log.csv')
-        resumes = os.path.exists(self.last)
         if args.start and not resumes:
             load_weights(self.model, args.start)
         self.average = copy.deepcopy(self.model).eval()  # the weights' running mean infers better than the last ones

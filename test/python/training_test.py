@@ -556,21 +556,29 @@ class Training(unittest.TestCase):
                 with self.assertRaisesRegex(SystemExit, 'is not this network'):
                     network_file.load_weights(bisenetv2.BiSeNetV2(len(NAMES), 64), path)
 
-    def test_a_narrowed_head_gives_the_logits_of_the_wide_one_and_is_trained_on(self):
+    def test_a_narrowed_network_gives_the_logits_of_the_wide_one_and_is_trained_on(self):
         self.train(5)
-        wide, small = os.path.join(self.out, 'last.pt'), os.path.join(self.out, 'small.pt')
+        wide, small, smaller = (os.path.join(self.out, name) for name in ('last.pt', 'small.pt', 'smaller.pt'))
         saved = network_file.load_checkpoint(wide)
-        saved['average']['head.2.weight'][:, 4:] = 0  # of 32 channels four count
+        for reader, needed in (('head.2', 4), ('detail.1.0', 10), ('detail.2.0', 10)):  # of 32, 64 and 64 channels
+            saved['average'][f'{reader}.weight'][:, needed:] = 0
         network_file.save_checkpoint(wide, **saved)
-        narrow.main([wide, small, self.data, '--head', '8', '--size', '96x64'])
+        narrow.main([wide, small, self.data, '--head', '8', '--detail', '16', '--size', '96x64'])
         image = network_file.normalise(dataset.planar(dataset.LabelledFolder(self.data).load(3).image)[None])
         with torch.no_grad():
             expected, found = (network_file.load_network(path)[0](image) for path in (wide, small))
+        self.assertEqual(network_file.detail_channels(network_file.read_weights(small)), (16, 16))
         self.assertLess((found - expected).abs().max(), 0.05 * expected.std())
         self.out = os.path.join(self.folder.name, 'narrowed')
         self.train(1, '--from', small, '--head', '8')
-        with self.assertRaisesRegex(SystemExit, 'has a head of 32 channels; --head must be less'):
-            narrow.main([wide, small, self.data, '--head', '32', '--size', '96x64'])
+        self.train(2, '--head', '8')  # goes on
+        if onnx is not None:
+            network = os.path.join(self.out, 'net.onnx')
+            export.main([small, network])
+            self.out = os.path.join(self.folder.name, 'exported')
+            self.train(1, '--from', network, '--head', '8')
+        with self.assertRaisesRegex(SystemExit, 'has 8 channels in head.0, of which 8 cannot be kept'):
+            narrow.main([small, smaller, self.data, '--head', '8', '--size', '96x64'])
 
     def test_says_what_is_wrong_with_the_weights_to_begin_with(self):
         model = bisenetv2.BiSeNetV2(len(NAMES), 32)

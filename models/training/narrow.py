@@ -115,6 +115,8 @@ def main(argv=None):
     parser.add_argument('--size', type=parse_size, required=True, help='of the input, px; half of it is looked at too')
     parser.add_argument('--images', type=int, default=120, help='as many of each folder')
     args = parser.parse_args(argv)
+    if args.head is None and args.detail is None:
+        parser.error('nothing to narrow: give --head, --detail or both')
     wide, checkpoint = load_network(args.checkpoint)
     weights = checkpoint['average']
     folders = [LabelledFolder(folder).split(held_back=False).first(-(-args.images // len(args.data))) for folder in args.data]

@@ -4,6 +4,7 @@
 import base64
 import csv
 import hashlib
+import io
 import os
 import subprocess
 import sys
@@ -579,6 +580,9 @@ class Training(unittest.TestCase):
             self.train(1, '--from', network, '--head', '8')
         with self.assertRaisesRegex(SystemExit, 'has 8 channels in head.0, of which 8 cannot be kept'):
             narrow.main([small, smaller, self.data, '--head', '8', '--size', '96x64'])
+        with self.assertRaises(SystemExit), mock.patch('sys.stderr', io.StringIO()) as said:
+            narrow.main([small, smaller, self.data, '--size', '96x64'])
+        self.assertIn('give --head, --detail or both', said.getvalue())
 
     def test_says_what_is_wrong_with_the_weights_to_begin_with(self):
         model = bisenetv2.BiSeNetV2(len(NAMES), 32)

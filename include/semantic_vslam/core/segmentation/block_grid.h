@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cassert>
 #include <cstddef>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -40,11 +41,11 @@ void takeEvery(int stride, const cv::Mat_<T>& image, cv::Mat_<T>& grid) {
 /// @return the pixels, at least as many as the image is wide
 template <class T>
 const T* expandRow(int stride, const cv::Mat_<T>& grid, int row, std::vector<T>& memory) {
+  assert(stride <= kMaxBlockStride);
   memory.resize(static_cast<std::size_t>(grid.cols) * stride + kMaxBlockStride);
   const T* value = grid[row];
   T* to = memory.data();
-  // A number of copies that the compiler knows is one or two stores; the next block writes over those that are too
-  // many.
+  // A fixed number of copies is one or two stores; the next block writes over those that are too many.
   for (int block = 0; block < grid.cols; ++block, to += stride) std::fill_n(to, kMaxBlockStride, value[block]);
   return memory.data();
 }

@@ -8,7 +8,8 @@ import torch.nn.functional as F
 
 from classes import PERSON
 
-DETAIL_CHANNELS = (64, 64, 128)         # stages S1-S3 of the detail branch, table 1
+DETAIL_CHANNELS = (64, 64, 64, 64, 64, 128, 128, 128)  # of the detail branch's convolutions, S1-S3, table 1
+DETAIL_STRIDES = (2, 1, 2, 1, 1, 2, 1, 1)
 SEMANTIC_CHANNELS = (16, 32, 64, 128)   # stem, S3, S4, S5 of the semantic branch, table 1
 EXPANSION = 6                           # of gather-and-expansion
 AUX_HEAD_CHANNELS = 128
@@ -38,13 +39,11 @@ def depthwise(inputs, outputs, stride=1):
 
 
 class DetailBranch(nn.Sequential):
-    """Wide and shallow: spatial detail at 1/8. @param first  channels of the two convolutions of S1"""
+    """Wide and shallow: spatial detail at 1/8. @param channels  of its eight convolutions"""
 
-    def __init__(self, first):
-        _, b, c = DETAIL_CHANNELS
-        super().__init__(conv_bn(3, first[0], stride=2), conv_bn(*first),
-                         conv_bn(first[1], b, stride=2), conv_bn(b, b), conv_bn(b, b),
-                         conv_bn(b, c, stride=2), conv_bn(c, c), conv_bn(c, c))
+    def __init__(self, channels):
+        inputs = (3, *channels[:-1])
+        super().__init__(*[conv_bn(i, o, stride=stride) for i, o, stride in zip(inputs, channels, DETAIL_STRIDES)])
 
 
 class Stem(nn.Module):
@@ -157,14 +156,14 @@ class BiSeNetV2(nn.Module):
     @param boosters       the four heads on the semantic branch that training needs (figure 2); not counted at inference
     @param hints          numbers that two more heads predict while training, from the aggregated features and from the
                           context (hints.py); not part of the paper, not counted at inference
-    @param detail         channels of the detail branch's first two convolutions; narrow.py halves them
+    @param detail         channels of the detail branch's convolutions, the last as published; narrow.py takes some away
 
     In:  N x 3 x H x W, normalised, H and W multiples of 32.
     Out: logits N x classes x H/8 x W/8; in training mode with boosters (logits, [four more at 1/4, 1/8, 1/16, 1/32],
          [N x hints at 1/8 and at 1/32]).
     """
 
-    def __init__(self, classes, head_channels=1024, boosters=True, hints=0, detail=DETAIL_CHANNELS[:1] * 2):
+    def __init__(self, classes, head_channels=1024, boosters=True, hints=0, detail=DETAIL_CHANNELS):
         super().__init__()
         self.detail = DetailBranch(detail)
         self.semantic = SemanticBranch()

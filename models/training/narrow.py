@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Narrows a trained network where it is wide at most cost: the last head, and the first two convolutions, at half the input's size.
+"""Narrows a trained network where it is wide at most cost: the last head and the detail branch, most of all its first convolutions.
 
-usage: narrow.py CHECKPOINT.pt OUT.pt DIR ... --size 640x480 [--head 256] [--detail 32] [--images 120]
+usage: narrow.py CHECKPOINT.pt OUT.pt DIR ... --size 640x480 [--head 256] [--detail 24 24] [--images 120]
 
 Of a convolution's channels those are kept that the next one needs most (He, Zhang and Sun, "Channel Pruning for Accelerating Very
 Deep Neural Networks", ICCV 2017), here chosen one after the other, each the one that explains most of what those before it leave of
@@ -16,6 +16,7 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
+from bisenetv2 import DETAIL_CHANNELS
 from dataset import LabelledFolder, resized
 from network_file import load_network, network_of, normalise, save_checkpoint
 from train import parse_size
@@ -111,24 +112,28 @@ def main(argv=None):
     parser.add_argument('out')
     parser.add_argument('data', nargs='+', help='labelled folders')
     parser.add_argument('--head', type=int, help='hidden channels of the last head that are left')
-    parser.add_argument('--detail', type=int, help="channels that are left of the detail branch's first two convolutions")
+    parser.add_argument('--detail', type=int, nargs='+', default=[], metavar='N',
+                        help="channels that are left of the detail branch's first convolutions, up to seven numbers")
     parser.add_argument('--size', type=parse_size, required=True, help='of the input, px; half of it is looked at too')
     parser.add_argument('--images', type=int, default=120, help='as many of each folder')
     args = parser.parse_args(argv)
-    if args.head is None and args.detail is None:
+    if args.head is None and not args.detail:
         parser.error('nothing to narrow: give --head, --detail or both')
+    if args.images < 1:
+        parser.error(f'--images must be 1 or more, not {args.images}')
+    if len(args.detail) >= len(DETAIL_CHANNELS):
+        parser.error(f'--detail takes up to {len(DETAIL_CHANNELS) - 1} numbers, not {len(args.detail)}')
     wide, checkpoint = load_network(args.checkpoint)
     weights = checkpoint['average']
     folders = [LabelledFolder(folder).split(held_back=False).first(-(-args.images // len(args.data))) for folder in args.data]
     images = [folder.load(index).image for folder in folders for index in range(len(folder))]
-    for layer, reader, count in (('detail.0', 'detail.1.0', args.detail), ('detail.1', 'detail.2.0', args.detail),
-                                 ('head.0', 'head.2', args.head)):
-        if count is None:
-            continue
+    layers = [(f'detail.{k}', f'detail.{k + 1}.0', count) for k, count in enumerate(args.detail)]
+    for layer, reader, count in layers + ([('head.0', 'head.2', args.head)] if args.head else []):
         has = len(weights[f'{layer}.0.weight'])
-        if not 0 < count < has:
+        if not 0 < count <= has:
             raise SystemExit(f"'{args.checkpoint}' has {has} channels in {layer}, of which {count} cannot be kept; take fewer")
-        narrow_layer(weights, wide, layer, reader, count, images, args.size)
+        if count < has:
+            narrow_layer(weights, wide, layer, reader, count, images, args.size)
         print(f'{layer}: {count} of {has} channels kept')
     save_checkpoint(args.out, average=weights, head_channels=len(weights['head.0.0.weight']), size=args.size, step=checkpoint['step'])
 

@@ -33,9 +33,9 @@ def load_checkpoint(path):
 
 
 def detail_channels(weights):
-    """@return channels of the detail branch's first two convolutions (narrow.py); as published for what is no such network"""
-    names = [f'detail.{k}.0.weight' for k in (0, 1)]
-    return tuple(len(weights[name]) if name in weights else DETAIL_CHANNELS[0] for name in names)
+    """@return channels of the detail branch's convolutions (narrow.py); as published for what is no such network"""
+    names = [f'detail.{k}.0.weight' for k in range(len(DETAIL_CHANNELS))]
+    return tuple(len(weights[name]) if name in weights else published for name, published in zip(names, DETAIL_CHANNELS))
 
 
 def network_of(weights, two_scales=False):

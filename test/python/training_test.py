@@ -561,14 +561,14 @@ class Training(unittest.TestCase):
         self.train(5)
         wide, small, smaller = (os.path.join(self.out, name) for name in ('last.pt', 'small.pt', 'smaller.pt'))
         saved = network_file.load_checkpoint(wide)
-        for reader, needed in (('head.2', 4), ('detail.1.0', 10), ('detail.2.0', 10)):  # of 32, 64 and 64 channels
+        for reader, needed in (('head.2', 4), ('detail.1.0', 10), ('detail.2.0', 10), ('detail.6.0', 20)):  # of 32, 64, 64, 128
             saved['average'][f'{reader}.weight'][:, needed:] = 0
         network_file.save_checkpoint(wide, **saved)
-        narrow.main([wide, small, self.data, '--head', '8', '--detail', '16', '--size', '96x64'])
+        narrow.main([wide, small, self.data, '--head', '8', '--detail', '16', '16', '64', '64', '64', '40', '--size', '96x64'])
         image = network_file.normalise(dataset.planar(dataset.LabelledFolder(self.data).load(3).image)[None])
         with torch.no_grad():
             expected, found = (network_file.load_network(path)[0](image) for path in (wide, small))
-        self.assertEqual(network_file.detail_channels(network_file.read_weights(small)), (16, 16))
+        self.assertEqual(network_file.detail_channels(network_file.read_weights(small)), (16, 16, 64, 64, 64, 40, 128, 128))
         self.assertLess((found - expected).abs().max(), 0.05 * expected.std())
         self.out = os.path.join(self.folder.name, 'narrowed')
         self.train(1, '--from', small, '--head', '8')
@@ -578,11 +578,13 @@ class Training(unittest.TestCase):
             export.main([small, network])
             self.out = os.path.join(self.folder.name, 'exported')
             self.train(1, '--from', network, '--head', '8')
-        with self.assertRaisesRegex(SystemExit, 'has 8 channels in head.0, of which 8 cannot be kept'):
-            narrow.main([small, smaller, self.data, '--head', '8', '--size', '96x64'])
-        with self.assertRaises(SystemExit), mock.patch('sys.stderr', io.StringIO()) as said:
-            narrow.main([small, smaller, self.data, '--size', '96x64'])
-        self.assertIn('give --head, --detail or both', said.getvalue())
+        with self.assertRaisesRegex(SystemExit, 'has 8 channels in head.0, of which 9 cannot be kept'):
+            narrow.main([small, smaller, self.data, '--head', '9', '--size', '96x64'])
+        for wrong, message in (([], 'give --head, --detail or both'), (['--head', '4', '--images', '0'], 'must be 1 or more'),
+                               (['--detail', *'88888888'], 'up to 7 numbers, not 8')):
+            with self.assertRaises(SystemExit), mock.patch('sys.stderr', io.StringIO()) as said:
+                narrow.main([small, smaller, self.data, '--size', '96x64', *wrong])
+            self.assertIn(message, said.getvalue())
 
     def test_says_what_is_wrong_with_the_weights_to_begin_with(self):
         model = bisenetv2.BiSeNetV2(len(NAMES), 32)

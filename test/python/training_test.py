@@ -29,6 +29,7 @@ try:
     import torch
     torch.set_num_threads(1)
     import bisenetv2
+    import blend
     import dataset
     import evaluate
     import export
@@ -585,6 +586,24 @@ class Training(unittest.TestCase):
             with self.assertRaises(SystemExit), mock.patch('sys.stderr', io.StringIO()) as said:
                 narrow.main([small, smaller, self.data, '--size', '96x64', *wrong])
             self.assertIn(message, said.getvalue())
+
+    def test_blends_the_weights_before_and_after_a_training(self):
+        self.train(3)
+        before, blended = os.path.join(self.out, 'last.pt'), os.path.join(self.folder.name, 'blended.pt')
+        self.out = os.path.join(self.folder.name, 'after')
+        self.train(3, '--from', before)
+        after = os.path.join(self.out, 'last.pt')
+        blend.main([before, after, blended, '--share', '0.25'])
+        old, new = (network_file.load_checkpoint(path)['average'] for path in (before, after))
+        found = network_file.load_network(blended)[0].state_dict()
+        moved = 0
+        for name, value in found.items():
+            if value.dtype.is_floating_point:
+                torch.testing.assert_close(value, 0.75 * old[name] + 0.25 * new[name], rtol=1e-4, atol=1e-5)
+                moved += int(not torch.equal(old[name], new[name]))
+        self.assertGreater(moved, 100)
+        with self.assertRaisesRegex(SystemExit, 'different widths: head.0.0.weight'):
+            blend.blend(old, bisenetv2.BiSeNetV2(len(NAMES), 8).state_dict(), 0.5)
 
     def test_says_what_is_wrong_with_the_weights_to_begin_with(self):
         model = bisenetv2.BiSeNetV2(len(NAMES), 32)

@@ -128,7 +128,7 @@ def main(argv=None):
     folders = [LabelledFolder(folder).split(held_back=False).first(-(-args.images // len(args.data))) for folder in args.data]
     images = [folder.load(index).image for folder in folders for index in range(len(folder))]
     layers = [(f'detail.{k}', f'detail.{k + 1}.0', count) for k, count in enumerate(args.detail)]
-    for layer, reader, count in layers + ([('head.0', 'head.2', args.head)] if args.head else []):
+    for layer, reader, count in layers + ([] if args.head is None else [('head.0', 'head.2', args.head)]):
         has = len(weights[f'{layer}.0.weight'])
         if not 0 < count <= has:
             raise SystemExit(f"'{args.checkpoint}' has {has} channels in {layer}, of which {count} cannot be kept; take fewer")

@@ -87,7 +87,7 @@ class LabelScores {
   explicit LabelScores(const LabelSet& set) : set_(set), scores_(set.classes.size()) {}
 
   void add(const cv::Mat1b& before, const cv::Mat1b& refined, const cv::Mat1b& truth) {
-    for (std::size_t label = 1; label < scores_.size(); ++label) {
+    for (std::size_t label = 0; label < scores_.size(); ++label) {
       const auto id = static_cast<double>(label);
       const cv::Mat1b real = truth == id;
       scores_[label].before.add(before == id, real);
@@ -98,20 +98,21 @@ class LabelScores {
   const MaskScore& peopleBefore() const { return scores_[kPerson].before; }
   const MaskScore& peopleRefined() const { return scores_[kPerson].refined; }
 
-  /// The labels that the truth has.
+  /// The labels that the truth has; their mean as usual, with the background as one of them (Everingham et al., "The
+  /// PASCAL Visual Object Classes Challenge", IJCV 2010), and without it.
   void print() const {
-    int count = 0;
-    double before = 0.0, refined = 0.0;
-    for (std::size_t label = 1; label < scores_.size(); ++label) {
+    Mean all, labels;
+    for (std::size_t label = 0; label < scores_.size(); ++label) {
       const Score& score = scores_[label];
       if (!score.occurs) continue;
       std::printf("%-10s IoU %.3f, refined %.3f\n", set_.classes[label].name.c_str(), score.before.iou(),
                   score.refined.iou());
-      ++count;
-      before += score.before.iou();
-      refined += score.refined.iou();
+      all.add(score);
+      if (label != 0) labels.add(score);
     }
-    if (count > 1) std::printf("%-10s IoU %.3f, refined %.3f\n", "mean", before / count, refined / count);
+    if (labels.count <= 1) return;
+    all.print("");
+    labels.print(", without background");
   }
 
  private:
@@ -119,6 +120,19 @@ class LabelScores {
   struct Score {
     MaskScore before, refined;
     bool occurs = false;
+  };
+  struct Mean {
+    int count = 0;
+    double before = 0.0, refined = 0.0;
+
+    void add(const Score& score) {
+      ++count;
+      before += score.before.iou();
+      refined += score.refined.iou();
+    }
+    void print(const char* of) const {
+      std::printf("%-10s IoU %.3f, refined %.3f%s\n", "mean", before / count, refined / count, of);
+    }
   };
   const LabelSet set_;
   std::vector<Score> scores_;

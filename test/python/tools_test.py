@@ -7,6 +7,7 @@ import json
 import math
 import os
 import pty
+import re
 import shutil
 import signal
 import subprocess
@@ -177,6 +178,25 @@ class ToolsTest(unittest.TestCase):
                                ("measure_loops",), ("measure_segmentation", "--dilate", 3), ("measure_places",)):
             with self.subTest(name):
                 self.assert_one_error(run(name, folder, "--camera", self.camera, *options), "none of its frames can be read")
+
+    def test_scores_every_label_and_their_mean_with_and_without_the_background(self):
+        folder = self.out("labelled")
+        shutil.copytree(self.sequence, folder)
+        os.makedirs(os.path.join(folder, "labels"), exist_ok=True)
+        for name in os.listdir(os.path.join(folder, "rgb")):
+            image = cv2.imread(os.path.join(folder, "rgb", name))
+            labels = np.zeros(image.shape[:2], np.uint8)
+            labels[10:50, 10:50], labels[30:40, 70:110] = 1, 2
+            cv2.imwrite(os.path.join(folder, "labels", os.path.splitext(name)[0] + ".png"), labels)
+        done = run("measure_segmentation", folder, "--camera", self.camera, "--dilate", 3)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = re.findall(r"^(\w[\w ]*?) +IoU ([\d.]+), refined [\d.]+$", done.stdout, re.M)
+        found = {name: float(value) for name, value in rows}
+        self.assertEqual(list(found), ["background", "person", "label 2", "mean"])
+        self.assertTrue(0.9 < found["background"] < 1.0 and 0.5 < found["label 2"] < found["person"] < 0.9, found)
+        self.assertAlmostEqual(found["mean"], (found["background"] + found["person"] + found["label 2"]) / 3, delta=0.001)
+        labels_alone = float(re.search(r"^mean +IoU ([\d.]+), refined [\d.]+, without background$", done.stdout, re.M)[1])
+        self.assertAlmostEqual(labels_alone, (found["person"] + found["label 2"]) / 2, delta=0.001)
 
     def test_outputs_that_cannot_be_written_fail_before_the_run(self):
         self.assert_one_error(run("run_offline", self.sequence, "--camera", self.camera, "--out", "/proc"), "/proc/summary.json")

@@ -604,6 +604,17 @@ class Training(unittest.TestCase):
         self.assertGreater(moved, 100)
         with self.assertRaisesRegex(SystemExit, 'different widths: head.0.0.weight'):
             blend.blend(old, bisenetv2.BiSeNetV2(len(NAMES), 8).state_dict(), 0.5)
+        with self.assertRaises(SystemExit), mock.patch('sys.stderr', io.StringIO()) as said:
+            blend.main([before, after, blended, '--share', '2'])
+        self.assertIn('must be 0 to 1', said.getvalue())
+        with self.assertRaisesRegex(SystemExit, 'does not exist'):
+            blend.main([before + '.none', after, blended])
+        if onnx is not None:
+            network = os.path.join(self.folder.name, 'before.onnx')
+            export.main([before, network])
+            blend.main([network, after, blended, '--share', '0'])
+            found = network_file.load_checkpoint(blended)['average']
+            torch.testing.assert_close(found['head.2.weight'], old['head.2.weight'])
 
     def test_says_what_is_wrong_with_the_weights_to_begin_with(self):
         model = bisenetv2.BiSeNetV2(len(NAMES), 32)

@@ -13,7 +13,7 @@ DETAIL_STRIDES = (2, 1, 2, 1, 1, 2, 1, 1)
 SEMANTIC_CHANNELS = (16, 32, 64, 128)   # stem, S3, S4, S5 of the semantic branch, table 1
 EXPANSION = 6                           # of gather-and-expansion
 AUX_HEAD_CHANNELS = 128
-EDGE_CELLS = 3                          # of TwoScales
+EDGE_CELLS = 2                          # of TwoScales
 TRAINING_HEADS = ('boosters.', 'hints.')
 
 
@@ -115,9 +115,9 @@ class SemanticBranch(nn.Module):
 
 
 class GuidedAggregation(nn.Module):
-    """Each branch gates the other at its own scale, figure 6."""
+    """Each branch gates the other at its own scale, figure 6. @param outputs  channels, as many as `channels` as published"""
 
-    def __init__(self, channels):
+    def __init__(self, channels, outputs):
         super().__init__()
 
         def separable():
@@ -128,7 +128,7 @@ class GuidedAggregation(nn.Module):
                                          nn.AvgPool2d(3, stride=2, padding=1))
         self.semantic_up = conv_bn(channels, channels, relu=False)
         self.semantic_keep = separable()
-        self.fuse = conv_bn(channels, channels, relu=False)
+        self.fuse = conv_bn(channels, outputs, relu=False)
 
     def forward(self, detail, semantic):
         size = detail.shape[2:]
@@ -157,22 +157,24 @@ class BiSeNetV2(nn.Module):
     @param hints          numbers that two more heads predict while training, from the aggregated features and from the
                           context (hints.py); not part of the paper, not counted at inference
     @param detail         channels of the detail branch's convolutions, the last as published; narrow.py takes some away
+    @param aggregated     channels that the last head reads; likewise
 
     In:  N x 3 x H x W, normalised, H and W multiples of 32.
     Out: logits N x classes x H/8 x W/8; in training mode with boosters (logits, [four more at 1/4, 1/8, 1/16, 1/32],
          [N x hints at 1/8 and at 1/32]).
     """
 
-    def __init__(self, classes, head_channels=1024, boosters=True, hints=0, detail=DETAIL_CHANNELS):
+    def __init__(self, classes, head_channels=1024, boosters=True, hints=0, detail=DETAIL_CHANNELS,
+                 aggregated=DETAIL_CHANNELS[-1]):
         super().__init__()
         self.detail = DetailBranch(detail)
         self.semantic = SemanticBranch()
-        self.aggregate = GuidedAggregation(DETAIL_CHANNELS[-1])
-        self.head = Head(DETAIL_CHANNELS[-1], head_channels, classes)
+        self.aggregate = GuidedAggregation(DETAIL_CHANNELS[-1], aggregated)
+        self.head = Head(aggregated, head_channels, classes)
         self.boosters = nn.ModuleList(
             [Head(channels, AUX_HEAD_CHANNELS, classes) for channels in SEMANTIC_CHANNELS] if boosters else [])
         self.hints = nn.ModuleList(
-            [nn.Conv2d(channels, hints, 1) for channels in (DETAIL_CHANNELS[-1], SEMANTIC_CHANNELS[-1])] if hints else [])
+            [nn.Conv2d(channels, hints, 1) for channels in (aggregated, SEMANTIC_CHANNELS[-1])] if hints else [])
         self.apply(_initialise)
         for head in (self.head, *self.boosters):
             nn.init.normal_(head[-1].weight, std=0.01)  # all classes start about even

@@ -36,7 +36,7 @@ def main(argv=None):
     if not 0 <= args.share <= 1:
         parser.error(f'--share must be 0 to 1, not {args.share}')
     after = load_checkpoint(args.after)
-    save_checkpoint(args.out, **{key: after[key] for key in ('head_channels', 'size', 'step')},
+    save_checkpoint(args.out, **{key: after[key] for key in ('size', 'step')},
                     average=blend(read_weights(args.before), after['average'], args.share))
     print(f'{args.out}: {args.share:g} of {args.after}, {1 - args.share:g} of {args.before}')
 

@@ -116,16 +116,17 @@ class AugmentedSamples(torch.utils.data.Dataset):
     """Sample `index` is the same whenever it is asked for, so that a resumed run goes on exactly where it stopped.
 
     @param sources  [(LabelledFolder, weight)]: how often each is drawn from
-    @param size     (width, height) of a sample, px
+    @param sizes    [(width, height)] of samples, px, which take turns
     @param count    samples in all
     @param paste    share that cutouts are pasted into; twice it of the parts without people
+    @param turn     samples of one size before the next size's
     """
 
-    def __init__(self, sources, size, count, seed=1, paste=0.5):
+    def __init__(self, sources, sizes, count, seed=1, paste=0.5, turn=1):
         self.sources = [folder for folder, _ in sources]
         weights = np.array([weight for _, weight in sources], float)
         self.odds = weights / weights.sum()
-        self.size, self.count, self.seed, self.paste = size, count, seed, paste
+        self.sizes, self.count, self.seed, self.paste, self.turn = sizes, count, seed, paste, turn
         self.cutouts = augment.Cutouts(self.sources)
 
     def __len__(self):
@@ -133,14 +134,15 @@ class AugmentedSamples(torch.utils.data.Dataset):
 
     def __getitem__(self, index):
         rng = np.random.default_rng((self.seed, index))
+        size = self.sizes[index // self.turn % len(self.sizes)]
         source = self.sources[rng.choice(len(self.sources), p=self.odds)]
         whole = source.load(rng.integers(len(source)))
-        image, label, to_sample = augment.crop(whole.image, whole.label, self.size, rng)
-        hints = hint.of_sample(whole.hints, whole.label.shape, to_sample, self.size)
+        image, label, to_sample = augment.crop(whole.image, whole.label, size, rng)
+        hints = hint.of_sample(whole.hints, whole.label.shape, to_sample, size)
         if rng.random() < (self.paste if (label == PERSON).any() else 2 * self.paste):
             depth = whole.depth
             if depth is not None:
-                depth = cv2.warpAffine(depth, to_sample, self.size, flags=cv2.INTER_NEAREST)
+                depth = cv2.warpAffine(depth, to_sample, size, flags=cv2.INTER_NEAREST)
             image, label, hints = self.cutouts.paste(image, label, hints, depth, rng)
         if rng.random() < augment.PHOTOMETRIC:
             image = augment.photometric(image, rng)

@@ -51,12 +51,13 @@ def main(argv=None):
         os.makedirs(args.pictures, exist_ok=True)
     iou = scores.evaluate(model, folders, size, on_image=draw if args.pictures else None)
     result = {'images': sum(len(f) for f in folders), 'mean_iou': scores.mean_iou(iou), 'iou': iou}
+    whole_mean = sum(iou.values()) / max(1, len(iou))
     if args.json:
         print(json.dumps(result, indent=1))
     else:
         for name, value in iou.items():
             print(f'{name:12s} {value:.3f}')
-        print(f"{'mean':12s} {result['mean_iou']:.3f} without background, over {result['images']} images")
+        print(f"{'mean':12s} {whole_mean:.3f}, {result['mean_iou']:.3f} without background, over {result['images']} images")
     return result
 
 

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Narrows a trained network where it is wide at most cost: the last head and the detail branch, most of all its first convolutions.
+"""Narrows a trained network where it is wide at most cost: the last head, what it reads, and the detail branch, most of all its
+first convolutions.
 
-usage: narrow.py CHECKPOINT.pt OUT.pt DIR ... --size 640x480 [--head 256] [--detail 24 24] [--images 120]
+usage: narrow.py CHECKPOINT.pt OUT.pt DIR ... --size 640x480 [--head 256] [--aggregated 96] [--detail 24 24] [--images 120]
 
 Of a convolution's channels those are kept that the next one needs most (He, Zhang and Sun, "Channel Pruning for Accelerating Very
 Deep Neural Networks", ICCV 2017), here chosen one after the other, each the one that explains most of what those before it leave of
 the next one's output (orthogonal matching pursuit, Pati et al., Asilomar 1993), at random places of the data's training part. The
-next one's weights are then fitted anew by least squares. Export OUT.pt, or go on with train.py --from OUT.pt --head 256.
+next one's weights are then fitted anew by least squares. Export OUT.pt, or go on with train.py --from OUT.pt.
 """
 import argparse
 
@@ -89,7 +90,7 @@ def fit(patches, outputs, weight, area, count):
 
 def narrow_layer(weights, wide, layer, reader, count, images, size):
     """Keeps `count` channels of a convolution with normalisation, for the convolution that reads them. Changes weights."""
-    narrow = network_of(weights)
+    narrow = network_of(weights, layer)
     patches, outputs = patches_and_outputs(narrow, wide, reader, images, size, np.random.default_rng(1))
     weight = torch.ones(len(outputs), 1, dtype=outputs.dtype)
     if reader == 'head.2':
@@ -112,13 +113,17 @@ def main(argv=None):
     parser.add_argument('out')
     parser.add_argument('data', nargs='+', help='labelled folders')
     parser.add_argument('--head', type=int, help='hidden channels of the last head that are left')
+    parser.add_argument('--aggregated', type=int, help='channels that are left of what the last head reads')
     parser.add_argument('--detail', type=int, nargs='+', default=[], metavar='N',
                         help="channels that are left of the detail branch's first convolutions, up to seven numbers")
     parser.add_argument('--size', type=parse_size, required=True, help='of the input, px; half of it is looked at too')
     parser.add_argument('--images', type=int, default=120, help='as many of each folder')
     args = parser.parse_args(argv)
-    if args.head is None and not args.detail:
-        parser.error('nothing to narrow: give --head, --detail or both')
+    wanted = [(f'detail.{k}', f'detail.{k + 1}.0', count) for k, count in enumerate(args.detail)]
+    wanted += [('aggregate.fuse', 'head.0.0', args.aggregated), ('head.0', 'head.2', args.head)]
+    wanted = [row for row in wanted if row[2] is not None]
+    if not wanted:
+        parser.error('nothing to narrow: give --head, --aggregated or --detail')
     if args.images < 1:
         parser.error(f'--images must be 1 or more, not {args.images}')
     if len(args.detail) >= len(DETAIL_CHANNELS):
@@ -127,15 +132,14 @@ def main(argv=None):
     weights = checkpoint['average']
     folders = [LabelledFolder(folder).split(held_back=False).first(-(-args.images // len(args.data))) for folder in args.data]
     images = [folder.load(index).image for folder in folders for index in range(len(folder))]
-    layers = [(f'detail.{k}', f'detail.{k + 1}.0', count) for k, count in enumerate(args.detail)]
-    for layer, reader, count in layers + ([] if args.head is None else [('head.0', 'head.2', args.head)]):
+    for layer, reader, count in wanted:
         has = len(weights[f'{layer}.0.weight'])
         if not 0 < count <= has:
             raise SystemExit(f"'{args.checkpoint}' has {has} channels in {layer}, of which {count} cannot be kept; take fewer")
         if count < has:
             narrow_layer(weights, wide, layer, reader, count, images, args.size)
         print(f'{layer}: {count} of {has} channels kept')
-    save_checkpoint(args.out, average=weights, head_channels=len(weights['head.0.0.weight']), size=args.size, step=checkpoint['step'])
+    save_checkpoint(args.out, average=weights, size=args.size, step=checkpoint['step'])
 
 
 if __name__ == '__main__':

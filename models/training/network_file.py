@@ -3,6 +3,7 @@
 """Checkpoints, and the sidecar that tells the C++ side how to run an exported network."""
 import os
 
+import numpy as np
 import torch
 
 from bisenetv2 import DETAIL_CHANNELS, TRAINING_HEADS, BiSeNetV2, TwoScales
@@ -29,19 +30,28 @@ def save_checkpoint(path, **content):
 def load_checkpoint(path):
     if not os.path.exists(path):
         raise SystemExit(f"checkpoint '{path}' does not exist; train.py writes one")
-    return torch.load(path, map_location='cpu')
+    try:
+        checkpoint = torch.load(path, map_location='cpu')
+    except Exception as error:  # pickle's, PyTorch's own, or of whatever the file's bytes happen to say
+        raise SystemExit(f"'{path}' is no checkpoint: {str(error).splitlines()[0]}; train.py writes one") from None
+    if not isinstance(checkpoint, dict) or 'average' not in checkpoint:
+        raise SystemExit(f"'{path}' is a file of PyTorch, but no checkpoint; train.py writes one")
+    return checkpoint
 
 
-def detail_channels(weights):
-    """@return channels of the detail branch's convolutions (narrow.py); as published for what is no such network"""
-    names = [f'detail.{k}.0.weight' for k in range(len(DETAIL_CHANNELS))]
-    return tuple(len(weights[name]) if name in weights else published for name, published in zip(names, DETAIL_CHANNELS))
+def widths(weights, path):
+    """@return {argument of BiSeNetV2: value}, of the layers that narrow.py narrows. Ends the program if the weights, which `path`
+    holds, are of no such network."""
+    try:
+        return {'head_channels': len(weights['head.0.0.weight']), 'aggregated': len(weights['aggregate.fuse.0.weight']),
+                'detail': tuple(len(weights[f'detail.{k}.0.weight']) for k in range(len(DETAIL_CHANNELS)))}
+    except KeyError as missing:
+        raise SystemExit(f"'{path}' is not this network: it has no {missing}") from None
 
 
-def network_of(weights, two_scales=False):
-    """@return a network of the weights' widths, ready to infer"""
-    model = (TwoScales if two_scales else BiSeNetV2)(len(NAMES), len(weights['head.0.0.weight']), boosters=False,
-                                                     detail=detail_channels(weights))
+def network_of(weights, path, two_scales=False):
+    """@return a network of the widths of the weights, which `path` holds, ready to infer"""
+    model = (TwoScales if two_scales else BiSeNetV2)(len(NAMES), boosters=False, **widths(weights, path))
     model.load_state_dict({k: v for k, v in weights.items() if not k.startswith(TRAINING_HEADS)})
     return model.eval()
 
@@ -49,7 +59,7 @@ def network_of(weights, two_scales=False):
 def load_network(path, two_scales=False):
     """@return the averaged network of a checkpoint, ready to infer, and the checkpoint."""
     checkpoint = load_checkpoint(path)
-    return network_of(checkpoint['average'], two_scales), checkpoint
+    return network_of(checkpoint['average'], path, two_scales), checkpoint
 
 
 class OnnxNetwork:
@@ -64,7 +74,9 @@ class OnnxNetwork:
             self.session = onnxruntime.InferenceSession(path, providers=['CPUExecutionProvider'])
         except Exception as error:  # the runtime's own classes
             raise SystemExit(f"network '{path}' cannot be loaded: {error}") from None
-        height, width = self.session.get_inputs()[0].shape[2:]
+        image = self.session.get_inputs()[0]
+        self.name, self.takes_bytes = image.name, image.type == 'tensor(uint8)'
+        height, width = image.shape[1:3] if self.takes_bytes else image.shape[2:]
         classes = self.session.get_outputs()[0].shape[1]
         if classes != len(NAMES):
             raise SystemExit(f"network '{path}' gives {classes} classes, must give our {len(NAMES)}")
@@ -74,7 +86,10 @@ class OnnxNetwork:
         return self
 
     def __call__(self, images):
-        return torch.from_numpy(self.session.run(None, {self.session.get_inputs()[0].name: images.numpy()})[0])
+        images = images.numpy()
+        if self.takes_bytes:
+            images = np.rint((images.transpose(0, 2, 3, 1) * STD + MEAN) * 255).astype(np.uint8)
+        return torch.from_numpy(self.session.run(None, {self.name: images})[0])
 
 
 def weights_of_small(graph):
@@ -113,16 +128,15 @@ def read_weights(path):
     return found
 
 
-def load_weights(model, path):
-    """Gives a model to train the weights of a file for read_weights. What they lack, the heads that only training has, stays as it
-    is. Ends the program if they do not fit."""
-    found = read_weights(path)
+def load_weights(model, found, path):
+    """Gives a model to train the weights that read_weights found in a file. What they lack, the heads that only training has, stays
+    as it is. Ends the program if they do not fit."""
     wanted = model.state_dict()
     fitting = {name: found[name] for name, w in wanted.items() if name in found and found[name].shape == w.shape}
     lacking = [name for name, w in wanted.items()
                if w.dtype.is_floating_point and not name.startswith(TRAINING_HEADS) and name not in fitting]
     if lacking:
-        raise SystemExit(f"'{path}' is not this network (--head?): {len(lacking)} of its weights are missing or of another shape, "
+        raise SystemExit(f"'{path}' is not this network: {len(lacking)} of its weights are missing or of another shape, "
                          f'{lacking[0]} for one')
     model.load_state_dict(fitting, strict=False)
 

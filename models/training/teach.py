@@ -17,6 +17,7 @@ import numpy as np
 
 import hints
 from dataset import LabelledFolder
+from progress import Bar
 
 SAMPLED_PLACES = 50  # of an image, for the principal components
 
@@ -62,8 +63,9 @@ def main(argv=None):
     args = parser.parse_args(argv)
     teacher = open_teacher(args.teacher, args.tensor)
     rng = np.random.default_rng(1)
-    seen, samples = {}, []
-    for folder in (LabelledFolder(folder) for folder in args.data):
+    seen, samples, bar = {}, [], Bar()
+    folders = [LabelledFolder(folder) for folder in args.data]
+    for folder in folders:
         os.makedirs(os.path.join(folder.folder, 'hints'), exist_ok=True)
         for index, (path, _) in enumerate(folder.pairs):
             features = teacher(folder.load(index)[0])
@@ -71,6 +73,7 @@ def main(argv=None):
             seen[os.path.join(folder.folder, 'hints', stem + '.npy')] = features.astype(np.float16)
             flat = features.reshape(-1, features.shape[2])
             samples.append(flat[rng.integers(len(flat), size=SAMPLED_PLACES)])
+            bar.update(len(seen) / sum(len(f) for f in folders), f'{len(seen)} images')
     mean, basis = principal_components(np.concatenate(samples))
     for path, features in seen.items():
         np.save(path, ((features - mean) @ basis).astype(np.float16))

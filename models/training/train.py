@@ -29,7 +29,7 @@ import scores
 from bisenetv2 import BiSeNetV2, resize
 from classes import IGNORE, NAMES
 from dataset import AugmentedSamples, LabelledFolder
-from network_file import detail_channels, load_checkpoint, load_weights, normalise, read_weights, save_checkpoint
+from network_file import load_checkpoint, load_weights, normalise, read_weights, save_checkpoint, widths
 from progress import Bar, plot_curve
 
 LOG_FIELDS = ('step', 'loss', 'mean_iou', 'person_iou')
@@ -67,12 +67,13 @@ def arguments(argv=None):
     parser.add_argument('--out', required=True)
     parser.add_argument('--from', dest='start', metavar='FILE',
                         help='begin a new training with the weights of this checkpoint, or network of export.py')
-    parser.add_argument('--size', type=parse_size, default=(256, 192), help='of samples, px')
+    parser.add_argument('--size', type=parse_size, nargs='+', default=[(256, 192)], metavar='WIDTHxHEIGHT',
+                        help='of samples, px; several take turns, step by step, and the first is that of the scores')
     parser.add_argument('--steps', type=int, default=20000)
     parser.add_argument('--minutes', type=float, help='length of the training, instead of --steps')
     parser.add_argument('--batch', type=int, default=8)
     parser.add_argument('--rate', type=float, default=2e-3, help='peak learning rate of AdamW')
-    parser.add_argument('--head', type=int, default=1024, help='hidden channels of the last head; 1024 as published')
+    parser.add_argument('--head', type=int, help='hidden channels of the last head; those of --from, or 1024 as published, otherwise')
     parser.add_argument('--paste', type=float, default=0.33,
                         help='share of samples that cutouts are pasted into; twice as many of those that show nobody')
     parser.add_argument('--evaluate-every', type=int, default=1000, help='steps')
@@ -173,17 +174,20 @@ class Training:
         self.log = os.path.join(args.out, 'log.csv')
         resumes = os.path.exists(self.last)
         begins_with = self.last if resumes else args.start
-        detail = {'detail': detail_channels(read_weights(begins_with))} if begins_with else {}
-        self.model = BiSeNetV2(len(NAMES), args.head, hints=hint.HINTS, **detail)
+        weights = read_weights(begins_with) if begins_with else {}
+        width = widths(weights, begins_with) if weights else {'head_channels': args.head or 1024}
+        if args.head not in (None, width['head_channels']):
+            raise SystemExit(f"'{begins_with}' has {width['head_channels']} channels in its last head, not {args.head}; leave --head out")
+        self.model = BiSeNetV2(len(NAMES), hints=hint.HINTS, **width)
         self.model = self.model.to(self.device, memory_format=torch.channels_last)  # the faster layout nearly everywhere
         if args.compile and not hasattr(torch, 'compile'):
             raise SystemExit(f'--compile needs PyTorch 2; this is {torch.__version__}')
-        self.compiled = torch.compile(self.model) if args.compile else self.model
+        self.compiled = torch.compile(self.model, dynamic=False) if args.compile else self.model
         self.optimiser = adamw(self.model.parameters(), args.rate)
         self.step, self.best, self.seconds = 0, -1.0, 0.0
         self.unshared_seconds = 0.0
         if args.start and not resumes:
-            load_weights(self.model, args.start)
+            load_weights(self.model, weights, args.start)
         self.average = copy.deepcopy(self.model).eval()  # the weights' running mean infers better than the last ones
         if resumes:
             self._resume()
@@ -192,8 +196,6 @@ class Training:
 
     def _resume(self):
         saved = load_checkpoint(self.last)
-        if saved['head_channels'] != self.args.head:
-            raise SystemExit(f"'{self.last}' was trained with another --head; take another --out")
         self.model.load_state_dict(saved['model'])
         self.average.load_state_dict(saved['average'])
         self.optimiser.load_state_dict(saved['optimiser'])
@@ -202,7 +204,7 @@ class Training:
     def save(self, path):
         save_checkpoint(path, model=self.model.state_dict(), average=self.average.state_dict(),
                         optimiser=self.optimiser.state_dict(), step=self.step, best=self.best, seconds=self.seconds,
-                        size=self.args.size, head_channels=self.args.head)
+                        size=self.args.size[0])
 
     def progress(self):
         """@return how much of the training is done, 0 to 1"""
@@ -255,7 +257,7 @@ class Training:
                     mean.copy_(now)
 
     def score(self, folders, loss):
-        iou = scores.evaluate(self.average, folders, self.args.size, self.device)
+        iou = scores.evaluate(self.average, folders, self.args.size[0], self.device)
         mean = scores.mean_iou(iou)
         self._write_log((self.step, f'{loss:.4f}', f'{mean:.4f}', f"{iou.get('person', 0.0):.4f}"))
         if mean > self.best:
@@ -271,7 +273,7 @@ def main(argv=None):
     folds = (LabelledFolder(folder).split(held_back=True) for folder, _ in args.data)
     held_back = [fold.first(SCORED_IMAGES) for fold in folds if len(fold)]
     count = 10**9 if args.minutes else args.steps * args.batch * processes()
-    samples = AugmentedSamples(sources, args.size, count, args.seed, args.paste)
+    samples = AugmentedSamples(sources, args.size, count, args.seed, args.paste, args.batch * processes())
     rest = torch.utils.data.Subset(samples, range(training.step * args.batch * processes() + rank(), count, processes()))
     loader = torch.utils.data.DataLoader(rest, args.batch, num_workers=args.workers, persistent_workers=args.workers > 0)
     if rank() == 0:

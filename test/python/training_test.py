@@ -454,8 +454,8 @@ class Training(unittest.TestCase):
 
     def test_samples_do_not_depend_on_when_they_are_asked_for(self):
         sources = [(dataset.LabelledFolder(self.data), 1.0)]
-        first, again = (dataset.AugmentedSamples(sources, SIZE, 8) for _ in range(2))
-        first[0]
+        first, again = (dataset.AugmentedSamples(sources, [SIZE, (64, 64)], 8, turn=3) for _ in range(2))
+        self.assertEqual([tuple(first[k][1].shape) for k in (2, 3, 5, 6)], [SIZE[::-1], (64, 64), (64, 64), SIZE[::-1]])
         for x, y in zip(first[7], again[7]):
             self.assertTrue(torch.equal(torch.nan_to_num(x), torch.nan_to_num(y)))
 
@@ -486,6 +486,12 @@ class Training(unittest.TestCase):
             export.main([checkpoint, network, *options])
             quantize.main([network, small, os.path.join(self.data, 'images'), '--count', '4'])
             self.assertLess(os.path.getsize(small), 0.4 * os.path.getsize(network))
+            graph = onnx.load(small).graph
+            self.assertEqual(onnx.helper.printable_value_info(graph.input[0]), '%image[UINT8, 1x64x96x3]')
+            self.assertFalse([n.name for n in graph.node if n.op_type == 'QuantizeLinear' and n.input[0] in quantize.pixels(graph)])
+            with open(small.replace('.onnx', '.yaml'), encoding='utf-8') as text:
+                sidecar = text.read()
+            self.assertIn('layout: nhwc\n  type: uint8\n  channels: rgb\n  resize: stretch\noutput:', sidecar)
             model = network_file.load_network(checkpoint, two_scales=bool(options))[0]
             expected = scores.evaluate(model, [dataset.LabelledFolder(self.data)], SIZE)
             for path, tolerance in ((network, 1e-3), (small, 0.05)):
@@ -506,23 +512,28 @@ class Training(unittest.TestCase):
     @unittest.skipIf(onnx is None or onnxruntime is None, 'needs onnx and onnxruntime')
     def test_a_network_prepared_for_quantising_computes_the_same_with_convolutions_that_are_fast(self):
         self.train(5)
-        image = np.random.default_rng(3).uniform(-2, 2, (1, 3, 64, 96)).astype(np.float32)
+        pixels = np.random.default_rng(3).uniform(0, 255, (1, 64, 96, 3)).astype(np.float32) - quantize.GREY
+        image = (pixels.transpose(0, 3, 1, 2) / 255 / np.reshape(quantize.STD, (3, 1, 1))).astype(np.float32)
+        same_borders = mock.patch.object(quantize, 'MEAN', [quantize.GREY / 255] * 3)
         for options in ([], ['--small'], ['--small', '--two-scales']):
             scales = 1 + ('--two-scales' in options)
             network, prepared = (os.path.join(self.out, name) for name in ('net.onnx', 'net.float'))
             export.main([os.path.join(self.out, 'last.pt'), network, *options])
-            quantize.prepare(network, prepared)
-            expected, found = (onnxruntime.InferenceSession(path).run(None, {'image': image})[0] for path in (network, prepared))
+            with same_borders:
+                quantize.prepare(network, prepared)
+            expected, found = (onnxruntime.InferenceSession(path).run(None, {'image': given})[0]
+                               for path, given in ((network, image), (prepared, pixels)))
             self.assertLess(np.abs(found - expected).max(), 1e-3 * np.abs(expected).max())
             graph = onnx.load(prepared).graph
-            outputs = {weights.name: weights.dims[0] for weights in graph.initializer}
-            groups = [(next(a.i for a in n.attribute if a.name == 'group'), outputs[n.input[1]])
+            dims = {weights.name: tuple(weights.dims) for weights in graph.initializer}
+            groups = [(next(a.i for a in n.attribute if a.name == 'group'), *dims[n.input[1]][:2])
                       for n in graph.node if n.op_type == 'Conv']
-            self.assertTrue(all(group in (1, out) for group, out in groups), groups)
+            self.assertTrue(all(group == out or group == 1 and given >= 8 for group, out, given in groups), groups)
             self.assertEqual(sum(n.op_type == 'BatchNormalization' for n in graph.node), scales)  # of the image's mean
-            on_image = sorted(n.op_type for n in graph.node if 'image' in n.input)
-            self.assertEqual(on_image, ['SpaceToDepth'] if scales == 1 else ['AveragePool', 'SpaceToDepth'])
-            self.assertEqual(sum(n.op_type == 'SpaceToDepth' for n in graph.node), scales)
+            on_image = [n.op_type for n in graph.node if 'image' in n.input]
+            self.assertEqual(on_image, ['Reshape'] * (1 + scales))  # which copies nothing
+            read = {name for n in graph.node for name in n.input} | {graph.output[0].name}
+            self.assertTrue(all(read.intersection(n.output) for n in graph.node))
             kernels = [w.raw_data for w in graph.initializer if len(w.dims) == 4]
             self.assertEqual(len(kernels), len(set(kernels)))  # both scales share them
 
@@ -555,24 +566,28 @@ class Training(unittest.TestCase):
                 self.out = os.path.join(self.folder.name, 'from_' + os.path.basename(path))
                 model = train.Training(train.arguments(self.arguments(1, '--from', path))).model.eval()
                 self.assertLess((model(image) - expected).abs().max(), 3e-2 * expected.abs().max(), path)
-                with self.assertRaisesRegex(SystemExit, 'is not this network'):
-                    network_file.load_weights(bisenetv2.BiSeNetV2(len(NAMES), 64), path)
+                with self.assertRaisesRegex(SystemExit, 'has 32 channels in its last head, not 64; leave --head out'):
+                    train.Training(train.arguments(self.arguments(1, '--from', path, '--head', '64', '--out', self.out + '64')))
+                with self.assertRaisesRegex(SystemExit, 'is not this network: .* of another shape'):
+                    network_file.load_weights(bisenetv2.BiSeNetV2(len(NAMES), 64), network_file.read_weights(path), path)
 
     def test_a_narrowed_network_gives_the_logits_of_the_wide_one_and_is_trained_on(self):
         self.train(5)
         wide, small, smaller = (os.path.join(self.out, name) for name in ('last.pt', 'small.pt', 'smaller.pt'))
         saved = network_file.load_checkpoint(wide)
-        for reader, needed in (('head.2', 4), ('detail.1.0', 10), ('detail.2.0', 10), ('detail.6.0', 20)):  # of 32, 64, 64, 128
+        for reader, needed in (('head.2', 4), ('head.0.0', 12), ('detail.1.0', 10), ('detail.2.0', 10), ('detail.6.0', 20)):
             saved['average'][f'{reader}.weight'][:, needed:] = 0
         network_file.save_checkpoint(wide, **saved)
-        narrow.main([wide, small, self.data, '--head', '8', '--detail', '16', '16', '64', '64', '64', '40', '--size', '96x64'])
+        narrow.main([wide, small, self.data, '--head', '8', '--aggregated', '24', '--detail', '16', '16', '64', '64', '64', '40',
+                     '--size', '96x64'])
         image = network_file.normalise(dataset.planar(dataset.LabelledFolder(self.data).load(3).image)[None])
         with torch.no_grad():
             expected, found = (network_file.load_network(path)[0](image) for path in (wide, small))
-        self.assertEqual(network_file.detail_channels(network_file.read_weights(small)), (16, 16, 64, 64, 64, 40, 128, 128))
+        self.assertEqual(network_file.widths(network_file.read_weights(small), small),
+                         {'head_channels': 8, 'aggregated': 24, 'detail': (16, 16, 64, 64, 64, 40, 128, 128)})
         self.assertLess((found - expected).abs().max(), 0.05 * expected.std())
         self.out = os.path.join(self.folder.name, 'narrowed')
-        self.train(1, '--from', small, '--head', '8')
+        train.main([option for option in self.arguments(1, '--from', small) if option not in ('--head', '32')])
         self.train(2, '--head', '8')  # goes on
         if onnx is not None:
             network = os.path.join(self.out, 'net.onnx')
@@ -581,7 +596,7 @@ class Training(unittest.TestCase):
             self.train(1, '--from', network, '--head', '8')
         with self.assertRaisesRegex(SystemExit, 'has 8 channels in head.0, of which 9 cannot be kept'):
             narrow.main([small, smaller, self.data, '--head', '9', '--size', '96x64'])
-        for wrong, message in (([], 'give --head, --detail or both'), (['--head', '4', '--images', '0'], 'must be 1 or more'),
+        for wrong, message in (([], 'give --head, --aggregated or --detail'), (['--head', '4', '--images', '0'], 'must be 1 or more'),
                                (['--detail', *'88888888'], 'up to 7 numbers, not 8')):
             with self.assertRaises(SystemExit), mock.patch('sys.stderr', io.StringIO()) as said:
                 narrow.main([small, smaller, self.data, '--size', '96x64', *wrong])
@@ -617,18 +632,28 @@ class Training(unittest.TestCase):
             torch.testing.assert_close(found['head.2.weight'], old['head.2.weight'])
 
     def test_says_what_is_wrong_with_the_weights_to_begin_with(self):
-        model = bisenetv2.BiSeNetV2(len(NAMES), 32)
         with self.assertRaisesRegex(SystemExit, 'does not exist'):
-            network_file.load_weights(model, os.path.join(self.out, 'none.pt'))
+            network_file.read_weights(os.path.join(self.out, 'none.pt'))
+        broken = os.path.join(self.folder.name, 'broken.pt')
+        for content, message in ((b'not a checkpoint', "broken.pt' is no checkpoint: "), (None, 'a file of PyTorch, but no checkpoint')):
+            if content:
+                with open(broken, 'wb') as out:
+                    out.write(content)
+            else:
+                torch.save([1, 2], broken)
+            with self.assertRaisesRegex(SystemExit, message):
+                network_file.read_weights(broken)
+        with self.assertRaisesRegex(SystemExit, "other.pt' is not this network: it has no 'head.0.0.weight'"):
+            network_file.network_of({}, 'other.pt')
         if onnx is None:
             return
         with self.assertRaisesRegex(SystemExit, 'cannot be read: No such file'):
-            network_file.load_weights(model, os.path.join(self.out, 'none.onnx'))
+            network_file.read_weights(os.path.join(self.out, 'none.onnx'))
         broken = os.path.join(self.folder.name, 'broken.onnx')
         with open(broken, 'wb') as out:
             out.write(b'\xff not a network')
         with self.assertRaisesRegex(SystemExit, 'is no ONNX file'):
-            network_file.load_weights(model, broken)
+            network_file.read_weights(broken)
 
     def test_keeps_decoded_images_while_there_is_room(self):
         folder = dataset.LabelledFolder(self.data)

@@ -33,6 +33,7 @@ try:
     import dataset
     import evaluate
     import export
+    import fast_graph
     import narrow
     import network_file
     import quantize
@@ -488,7 +489,7 @@ class Training(unittest.TestCase):
             self.assertLess(os.path.getsize(small), 0.4 * os.path.getsize(network))
             graph = onnx.load(small).graph
             self.assertEqual(onnx.helper.printable_value_info(graph.input[0]), '%image[UINT8, 1x64x96x3]')
-            self.assertFalse([n.name for n in graph.node if n.op_type == 'QuantizeLinear' and n.input[0] in quantize.pixels(graph)])
+            self.assertFalse([n.name for n in graph.node if n.op_type == 'QuantizeLinear' and n.input[0] in fast_graph.pixels(graph)])
             with open(small.replace('.onnx', '.yaml'), encoding='utf-8') as text:
                 sidecar = text.read()
             self.assertIn('layout: nhwc\n  type: uint8\n  channels: rgb\n  resize: stretch\noutput:', sidecar)
@@ -512,15 +513,15 @@ class Training(unittest.TestCase):
     @unittest.skipIf(onnx is None or onnxruntime is None, 'needs onnx and onnxruntime')
     def test_a_network_prepared_for_quantising_computes_the_same_with_convolutions_that_are_fast(self):
         self.train(5)
-        pixels = np.random.default_rng(3).uniform(0, 255, (1, 64, 96, 3)).astype(np.float32) - quantize.GREY
-        image = (pixels.transpose(0, 3, 1, 2) / 255 / np.reshape(quantize.STD, (3, 1, 1))).astype(np.float32)
-        same_borders = mock.patch.object(quantize, 'MEAN', [quantize.GREY / 255] * 3)
+        pixels = np.random.default_rng(3).uniform(0, 255, (1, 64, 96, 3)).astype(np.float32) - fast_graph.GREY
+        image = (pixels.transpose(0, 3, 1, 2) / 255 / np.reshape(fast_graph.STD, (3, 1, 1))).astype(np.float32)
+        same_borders = mock.patch.object(fast_graph, 'MEAN', [fast_graph.GREY / 255] * 3)
         for options in ([], ['--small'], ['--small', '--two-scales']):
             scales = 1 + ('--two-scales' in options)
             network, prepared = (os.path.join(self.out, name) for name in ('net.onnx', 'net.float'))
             export.main([os.path.join(self.out, 'last.pt'), network, *options])
             with same_borders:
-                quantize.prepare(network, prepared)
+                fast_graph.prepare(network, prepared)
             expected, found = (onnxruntime.InferenceSession(path).run(None, {'image': given})[0]
                                for path, given in ((network, image), (prepared, pixels)))
             self.assertLess(np.abs(found - expected).max(), 1e-3 * np.abs(expected).max())

@@ -13,7 +13,7 @@ DETAIL_STRIDES = (2, 1, 2, 1, 1, 2, 1, 1)
 SEMANTIC_CHANNELS = (16, 32, 64, 128)   # stem, S3, S4, S5 of the semantic branch, table 1
 EXPANSION = 6                           # of gather-and-expansion
 AUX_HEAD_CHANNELS = 128
-EDGE_CELLS = 2                          # of TwoScales
+EDGE_CELLS = 1                          # of TwoScales
 TRAINING_HEADS = ('boosters.', 'hints.')
 
 

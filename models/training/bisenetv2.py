@@ -200,8 +200,8 @@ class TwoScales(BiSeNetV2):
 
 def with_large_people(logits, half):
     """Makes a place a person where the image at half its size shows the inside of one: where the person's logit is above all others
-    within EDGE_CELLS too. Edges and small people stay those of the whole image, for a cell of the half one is twice as wide and the
-    place of an edge is known to one and a half of them.
+    within EDGE_CELLS too. Edges and small people stay those of the whole image, for a cell of the half one is twice as wide and knows
+    the place of an edge half as well.
 
     @param logits  N x classes x H x W  @param half  N x classes x about H/2 x W/2  @return logits"""
     margin = resize(half[:, PERSON:PERSON + 1] - _largest_other(half), logits.shape[2:])

@@ -350,10 +350,11 @@ class Network(unittest.TestCase):
         logits[:, 0], half[:, 0] = 1, 1
         logits[:, PERSON, 2:5, 2:5] = 2       # a small person of the whole image
         half[:, PERSON, 2:18, 16:] = 3        # a large one of the half: rows 4 to 35, columns 32 on
-        half[:, PERSON, 10:12, 4:6] = 3       # and one as large as two cells
+        half[:, PERSON, 10:11, 4:5] = 3       # and one as large as a cell
         found = bisenetv2.with_large_people(logits, half).argmax(1)[0] == PERSON
         expected = torch.zeros(40, 60, dtype=torch.bool)
-        expected[2:5, 2:5] = expected[4 + 3:36 - 3, 32 + 3:] = True
+        edge = bisenetv2.EDGE_CELLS
+        expected[2:5, 2:5] = expected[4 + edge:36 - edge, 32 + edge:] = True
         self.assertTrue(torch.equal(found, expected), found.int())
 
     def test_hard_pixel_loss_ignores_unlabelled_pixels(self):

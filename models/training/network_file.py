@@ -33,7 +33,7 @@ def load_checkpoint(path):
     try:
         checkpoint = torch.load(path, map_location='cpu')
     except Exception as error:  # pickle's, PyTorch's own, or of whatever the file's bytes happen to say
-        raise SystemExit(f"'{path}' is no checkpoint: {str(error).splitlines()[0]}; train.py writes one") from None
+        raise SystemExit(f"'{path}' is no checkpoint: {(str(error) or type(error).__name__).splitlines()[0]}; train.py writes one") from None
     if not isinstance(checkpoint, dict) or 'average' not in checkpoint:
         raise SystemExit(f"'{path}' is a file of PyTorch, but no checkpoint; train.py writes one")
     return checkpoint

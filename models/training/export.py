@@ -40,12 +40,13 @@ def store_small(path):
     the network runs; its values in between stay in 32 bits, which quantize.py changes too."""
     try:
         import onnx
+        from onnx import numpy_helper  # which onnx 1.12, Debian's, does not bring by itself
     except ImportError as error:
         raise SystemExit(f'{error}: --small needs `pip install onnx`') from None
     model = onnx.load(path)
     kept, nodes = [], []
     for weights in model.graph.initializer:
-        values = onnx.numpy_helper.to_array(weights)
+        values = numpy_helper.to_array(weights)
         if values.ndim != 4:
             kept.append(weights)
             continue
@@ -53,7 +54,7 @@ def store_small(path):
         scale = np.where(largest > 0, largest / 127, 1).astype(np.float32)
         small = np.rint(values / scale[:, None, None, None]).astype(np.int8)
         names = [weights.name + '_8', weights.name + '_scale']
-        kept += [onnx.numpy_helper.from_array(array, name) for array, name in zip((small, scale), names)]
+        kept += [numpy_helper.from_array(array, name) for array, name in zip((small, scale), names)]
         nodes.append(onnx.helper.make_node('DequantizeLinear', names, [weights.name], axis=0))
     nodes += list(model.graph.node)
     del model.graph.node[:], model.graph.initializer[:]

@@ -17,6 +17,7 @@ def prepare(network, out):
     the same, in another order of the channels, and the runtime, which has a kernel for them, needs 0.7 times the time for all.
     The image is 1 x H x W x 3, in pixel values less GREY, and the first convolutions read several pixels of a row at once."""
     import onnx
+    from onnx import numpy_helper
     from onnxruntime.quantization.shape_inference import quant_pre_process
     model = onnx.load(network)
     plain = weights_of_small(model.graph)  # not seen as weights, else, and no normalisation enters them
@@ -25,7 +26,7 @@ def prepare(network, out):
     nodes = [node for node in model.graph.node if node.output[0] not in plain]
     del model.graph.node[:]
     model.graph.node.extend(nodes)
-    model.graph.initializer.extend(onnx.numpy_helper.from_array(values, name) for name, values in plain.items())
+    model.graph.initializer.extend(numpy_helper.from_array(values, name) for name, values in plain.items())
     quant_pre_process(model, out)
     model = onnx.load(out)
     _give_each_its_own(model.graph)

@@ -94,12 +94,12 @@ class OnnxNetwork:
 
 def weights_of_small(graph):
     """@return {name: float32 array} of the weights that an ONNX graph of export.py --small stores in 8 bits"""
-    import onnx
+    from onnx import numpy_helper
     stored = {weights.name: weights for weights in graph.initializer}
     found = {}
     for node in graph.node:
         if node.op_type == 'DequantizeLinear' and set(node.input) <= stored.keys():
-            values, scale = (onnx.numpy_helper.to_array(stored[name]) for name in node.input)
+            values, scale = (numpy_helper.to_array(stored[name]) for name in node.input)
             found[node.output[0]] = values * scale.reshape(-1, *[1] * (values.ndim - 1))
     return found
 
@@ -110,6 +110,7 @@ def read_weights(path):
     if path.endswith('.onnx'):
         try:
             import onnx
+            from onnx import numpy_helper
         except ImportError as error:
             raise SystemExit(f"{error}: to read '{path}' needs `pip install onnx`") from None
         try:
@@ -118,7 +119,7 @@ def read_weights(path):
             raise SystemExit(f"network '{path}' cannot be read: {error.strerror}") from None
         except Exception as error:  # protobuf's own, of a class that differs between its versions
             raise SystemExit(f"'{path}' is no ONNX file: {error}") from None
-        found = {w.name: torch.tensor(onnx.numpy_helper.to_array(w)).float() for w in graph.initializer}
+        found = {w.name: torch.tensor(numpy_helper.to_array(w)).float() for w in graph.initializer}
         found.update((name, torch.tensor(values)) for name, values in weights_of_small(graph).items())
         for node in graph.node:
             if node.op_type == 'Identity' and node.input[0] in found:  # equal ones are stored once

@@ -4,25 +4,31 @@
 import numpy as np
 
 from bisenetv2 import SEMANTIC_CHANNELS
-from network_file import MEAN, STD, weights_of_small
+from network_file import weights_of_small
 
-GREY = 114  # of 255, the mean of photographs' three: the pixel value that is zero to the quantised network
 REGROUPING = 'Transpose', 'Reshape'
 STEM = SEMANTIC_CHANNELS[0]
 
 
-def prepare(network, out):
+def grey(mean):
+    """@param mean  of each channel, 0 to 255  @return the pixel value that is zero to the quantised network"""
+    return round(float(np.mean(mean)))
+
+
+def prepare(network, out, mean, std):
     """Writes a float network as it is best quantised: normalisations are part of the convolutions, and each convolution with
     several outputs for every input channel (gather-and-expand's) is a depthwise one over as many copies of its input. The sums are
     the same, in another order of the channels, and the runtime, which has a kernel for them, needs 0.7 times the time for all.
-    The image is 1 x H x W x 3, in pixel values less GREY, and the first convolutions read several pixels of a row at once."""
+    The image is 1 x H x W x 3, in pixel values less grey(mean), and the first convolutions read several pixels of a row at once.
+
+    @param mean, std  of each channel, 0 to 255: the network's image is (pixel - mean) / std, 1 x 3 x H x W"""
     import onnx
     from onnx import numpy_helper
     from onnxruntime.quantization.shape_inference import quant_pre_process
     model = onnx.load(network)
     plain = weights_of_small(model.graph)  # not seen as weights, else, and no normalisation enters them
     if plain:
-        print(f"'{network}' has weights of 8 bits (export.py --small), which are rounded a second time now; an export without it is nearer")
+        print(f"'{network}' has weights of 8 bits (export.py --small), which are rounded again now; an export without it is nearer")
     nodes = [node for node in model.graph.node if node.output[0] not in plain]
     del model.graph.node[:]
     model.graph.node.extend(nodes)
@@ -31,7 +37,7 @@ def prepare(network, out):
     model = onnx.load(out)
     _give_each_its_own(model.graph)
     _split_expansions(model.graph)
-    _take_bytes(model.graph)
+    _take_bytes(model.graph, np.array(mean), np.array(std))
     _gather_more(model.graph)
     _drop_unused(model.graph)
     _share_equal(model.graph)
@@ -105,17 +111,18 @@ def _split_expansions(graph):
                 reorder(node.input[1:2] if sums else node.input[1:], order, 1 if sums else 0)
 
 
-def _take_bytes(graph):
+def _take_bytes(graph, mean, std):
     """Normalisation becomes part of the convolutions that read the image, or its average over 2x2 of a network for two scales. What
-    they pad the image with is GREY then, a sixth of a standard deviation off the mean at most."""
+    they pad the image with is grey then, with export.py's a sixth of a standard deviation off the mean at most."""
     from onnx import helper, numpy_helper
     weights, image = {w.name: w for w in graph.initializer}, graph.input[0]
     pools = [node for node in graph.node if node.op_type == 'AveragePool' and node.input[0] == image.name]
     convolutions = [node for node in graph.node
                     if node.op_type == 'Conv' and node.input[0] in [image.name] + [pool.output[0] for pool in pools]]
-    if not convolutions or any(weights[node.input[1]].dims[1] != 3 for node in convolutions):
-        raise SystemExit('this network does not begin with convolutions of an image of three channels; export.py writes those that do')
-    gain, offset = 1 / (255 * np.array(STD)), (GREY / 255 - np.array(MEAN)) / np.array(STD)
+    readers = [node for node in graph.node if image.name in node.input]
+    if not convolutions or not all(node in pools + convolutions for node in readers) or any(len(n.input) != 3 for n in convolutions):
+        raise SystemExit('this network does not begin with convolutions of its image; export.py writes those that do')
+    gain, offset = 1 / std, (grey(mean) - mean) / std
     for node in convolutions:
         values, bias = (numpy_helper.to_array(weights[name]) for name in node.input[1:])
         for name, changed in zip(node.input[1:], (values * gain[:, None, None], bias + values.sum((2, 3)) @ offset)):
@@ -128,10 +135,10 @@ def _take_bytes(graph):
     for dim, value in zip(dims, [dim.dim_value for dim in (dims[0], dims[2], dims[3], dims[1])]):
         dim.dim_value = value
     for pool in pools:
-        mean = numpy_helper.from_array(np.eye(3, dtype=np.float32)[:, :, None, None].repeat(2, 2).repeat(2, 3) / 4, pool.name + '_mean')
-        graph.initializer.append(mean)
+        quarters = np.eye(3, dtype=np.float32)[:, :, None, None].repeat(2, 2).repeat(2, 3) / 4
+        graph.initializer.append(numpy_helper.from_array(quarters, pool.name + '_quarters'))
         pool.op_type = 'Conv'
-        pool.input.append(mean.name)
+        pool.input.append(pool.name + '_quarters')
         del pool.attribute[:]
         pool.attribute.extend(helper.make_node('Conv', [], [], kernel_shape=[2, 2], strides=[2, 2], pads=[0] * 4, group=1).attribute)
         _in_blocks(graph, pool, 16)

@@ -90,7 +90,7 @@ def fit(patches, outputs, weight, area, count):
 
 def narrow_layer(weights, wide, layer, reader, count, images, size):
     """Keeps `count` channels of a convolution with normalisation, for the convolution that reads them. Changes weights."""
-    narrow = network_of(weights, layer)
+    narrow = network_of(weights, 'the narrowed network')
     patches, outputs = patches_and_outputs(narrow, wide, reader, images, size, np.random.default_rng(1))
     weight = torch.ones(len(outputs), 1, dtype=outputs.dtype)
     if reader == 'head.2':

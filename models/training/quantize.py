@@ -16,21 +16,23 @@ import re
 
 import cv2
 import numpy as np
+import yaml
 
-from fast_graph import GREY, REGROUPING, pixels, prepare
+from fast_graph import REGROUPING, grey, pixels, prepare
 
 # An activation's range holds all but its TAIL smallest and largest values in SHARE of the images, and beyond it clips. On one
 # image in ten a few activations are a thousand times as large as usual; a range that holds them tells nothing else apart. Two in
 # ten left out keep the logits nearest to those of float (README.md).
 TAIL = 1e-4
 SHARE = 0.8
+FORM = {'layout': 'nchw', 'type': 'float32', 'channels': 'rgb', 'resize': 'stretch'}  # of the input
 
 
 class Images:
-    """Calibration images as the C++ side would feed them, less GREY: stretched to the input, RGB."""
+    """Calibration images as the C++ side would feed them, less the grey that is zero: stretched to the input, RGB."""
 
-    def __init__(self, paths, size):
-        self.paths, self.size = iter(paths), size
+    def __init__(self, paths, size, zero):
+        self.paths, self.size, self.zero = iter(paths), size, zero
 
     def get_next(self):
         path = next(self.paths, None)
@@ -39,16 +41,27 @@ class Images:
         image = cv2.imread(path)
         if image is None:
             raise SystemExit(f"'{path}' does not load as an image")
-        return {'image': cv2.cvtColor(cv2.resize(image, self.size), cv2.COLOR_BGR2RGB)[None].astype(np.float32) - GREY}
+        return {'image': cv2.cvtColor(cv2.resize(image, self.size), cv2.COLOR_BGR2RGB)[None].astype(np.float32) - self.zero}
 
 
-def read_size(sidecar):
+def read_input(sidecar):
+    """@return size (width, height), px, and mean and std of each channel, 0 to 255, of a network's input by its sidecar. Ends the
+    program if it is not of the form that export.py writes."""
     try:
         with open(sidecar, encoding='utf-8') as text:
-            content = text.read()
+            has = yaml.safe_load(text)['input']
+        form = {key: has[key] for key in FORM}
+        if form != FORM:
+            raise SystemExit(f"sidecar '{sidecar}' says {form}, which cannot be quantised; it must be {FORM}")
+        mean, std = (np.array(has[key], float) / has['scale'] for key in ('mean', 'std'))
+        size = int(has['width']), int(has['height'])
     except OSError as error:
         raise SystemExit(f"sidecar '{sidecar}' cannot be read: {error.strerror}; export.py writes it beside the network") from None
-    return tuple(int(re.search(rf'^\s+{side}: (\d+)', content, re.MULTILINE).group(1)) for side in ('width', 'height'))
+    except KeyError as missing:
+        raise SystemExit(f"sidecar '{sidecar}' has no {missing} of its input; export.py writes all that is needed") from None
+    except (yaml.YAMLError, TypeError, ValueError) as error:
+        raise SystemExit(f"sidecar '{sidecar}' is none: {str(error).splitlines()[0]}; export.py writes one") from None
+    return size, mean, std
 
 
 def after_convolutions(graph):
@@ -100,16 +113,16 @@ def main(argv=None):
     except ImportError as error:
         raise SystemExit(f'{error}: quantising needs `pip install onnx onnxruntime`') from None
     sidecar = os.path.splitext(args.network)[0] + '.yaml'
-    size = read_size(sidecar)
+    size, mean, std = read_input(sidecar)
     paths = [path for folder in args.images for path in spread(folder, -(-args.count // len(args.images)))]
     prepared = args.out + '.float'
-    prepare(args.network, prepared)
+    prepare(args.network, prepared, mean, std)
     graph = onnx.load(prepared).graph
     in_float = [node.name for node in graph.node if node.op_type == 'BatchNormalization'] + after_convolutions(graph)  # little work
-    ranges = activation_ranges(prepared, Images(paths, size))
-    ranges.update(dict.fromkeys(pixels(graph), (-GREY, 255 - GREY)))
+    ranges = activation_ranges(prepared, Images(paths, size, grey(mean)))
+    ranges.update(dict.fromkeys(pixels(graph), (-grey(mean), 255 - grey(mean))))
     overrides = {name: [{'rmin': np.float32(low), 'rmax': np.float32(high)}] for name, (low, high) in ranges.items()}
-    quantize_static(prepared, args.out, Images(paths[:1], size), quant_format=QuantFormat.QDQ, per_channel=True,
+    quantize_static(prepared, args.out, Images(paths[:1], size, grey(mean)), quant_format=QuantFormat.QDQ, per_channel=True,
                     reduce_range=True, activation_type=QuantType.QUInt8, weight_type=QuantType.QInt8,
                     nodes_to_exclude=in_float, extra_options={'TensorQuantOverrides': overrides})
     os.remove(prepared)

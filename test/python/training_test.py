@@ -6,6 +6,7 @@ import csv
 import hashlib
 import io
 import os
+import re
 import subprocess
 import sys
 import tarfile
@@ -510,19 +511,54 @@ class Training(unittest.TestCase):
             quantize.main([network, small, self.folder.name])
         with self.assertRaisesRegex(SystemExit, "sidecar '.*none.yaml' cannot be read"):
             quantize.main([os.path.join(self.out, 'none.onnx'), small, self.folder.name])
+        with self.assertRaisesRegex(SystemExit, "'type': 'uint8'.* cannot be quantised; it must be .*'type': 'float32'"):
+            quantize.main([small, small, self.folder.name])
+
+    @unittest.skipIf(onnx is None or onnxruntime is None, 'needs onnx and onnxruntime')
+    def test_a_network_is_quantised_by_what_its_sidecar_says(self):
+        self.train(1)
+        network, sidecar, small = (os.path.join(self.out, name) for name in ('net.onnx', 'net.yaml', 'net8.onnx'))
+        export.main([os.path.join(self.out, 'last.pt'), network])
+        with open(sidecar, encoding='utf-8') as text:
+            written = text.read()
+        images = os.path.join(self.data, 'images')
+        image = np.random.default_rng(3).integers(0, 256, (1, 64, 96, 3), np.uint8)
+        session = onnxruntime.InferenceSession(network)
+        for mean, std in ((network_file.MEAN, network_file.STD), ((0.1, 0.2, 0.3), (0.5, 0.6, 0.7))):
+            with open(sidecar, 'w', encoding='utf-8') as out:
+                out.write(re.sub('mean: .*', f'mean: {list(mean)}', re.sub('std: .*', f'std: {list(std)}', written)))
+            quantize.main([network, small, images, '--count', '4'])
+            normalised = ((image / 255 - mean) / std).astype(np.float32).transpose(0, 3, 1, 2)
+            expected = session.run(None, {'image': normalised})[0]
+            found = onnxruntime.InferenceSession(small).run(None, {'image': image})[0]
+            self.assertLess(np.abs(found - expected).mean(), 0.2 * expected.std(), mean)
+        for content, message in ((written.replace('  std', '  stdd'), "has no 'std' of its input"), ('[', "net.yaml' is none: "),
+                                 ('nothing', "net.yaml' is none: ")):
+            with open(sidecar, 'w', encoding='utf-8') as out:
+                out.write(content)
+            with self.assertRaisesRegex(SystemExit, message):
+                quantize.main([network, small, images])
+        with open(sidecar, 'w', encoding='utf-8') as out:
+            out.write(written)
+        graph = onnx.load(network)
+        graph.graph.node.insert(0, onnx.helper.make_node('Neg', ['image'], ['negative']))
+        for node in graph.graph.node[1:]:
+            node.input[:] = ['negative' if name == 'image' else name for name in node.input]
+        onnx.save(graph, network)
+        with self.assertRaisesRegex(SystemExit, 'does not begin with convolutions of its image'):
+            quantize.main([network, small, images])
 
     @unittest.skipIf(onnx is None or onnxruntime is None, 'needs onnx and onnxruntime')
     def test_a_network_prepared_for_quantising_computes_the_same_with_convolutions_that_are_fast(self):
         self.train(5)
-        pixels = np.random.default_rng(3).uniform(0, 255, (1, 64, 96, 3)).astype(np.float32) - fast_graph.GREY
-        image = (pixels.transpose(0, 3, 1, 2) / 255 / np.reshape(fast_graph.STD, (3, 1, 1))).astype(np.float32)
-        same_borders = mock.patch.object(fast_graph, 'MEAN', [fast_graph.GREY / 255] * 3)
+        mean, std = [114, 114, 114], [58, 57, 56]  # of one grey, or borders differ
+        pixels = np.random.default_rng(3).uniform(0, 255, (1, 64, 96, 3)).astype(np.float32) - fast_graph.grey(mean)
+        image = (pixels.transpose(0, 3, 1, 2) / np.reshape(std, (3, 1, 1))).astype(np.float32)
         for options in ([], ['--small'], ['--small', '--two-scales']):
             scales = 1 + ('--two-scales' in options)
             network, prepared = (os.path.join(self.out, name) for name in ('net.onnx', 'net.float'))
             export.main([os.path.join(self.out, 'last.pt'), network, *options])
-            with same_borders:
-                fast_graph.prepare(network, prepared)
+            fast_graph.prepare(network, prepared, mean, std)
             expected, found = (onnxruntime.InferenceSession(path).run(None, {'image': given})[0]
                                for path, given in ((network, image), (prepared, pixels)))
             self.assertLess(np.abs(found - expected).max(), 1e-3 * np.abs(expected).max())

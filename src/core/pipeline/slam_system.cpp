@@ -85,6 +85,7 @@ StepResult SlamSystem::track(ObservedFrame observed) {
   result.posed = step.tracking.state == TrackingState::kOk;
   result.T_world_camera = step.tracking.T_camera_world.inverse();
   result.keyframe = step.keyframe;
+  sendPoses(frame.stamp, step);
 
   passOn(step, std::move(job));
   if (first == FirstLabels::kMissing && candidate_) {
@@ -117,6 +118,21 @@ void SlamSystem::takeLateLabels(Stamp now) {
     motion_.addLabels(late_labels_.front().stamp, late_labels_.front().labels, segmentation_.labels());
     late_labels_.pop_front();
   }
+  if (!late_keyframe_poses_.empty()) motion_.takeKeyframePoses(late_keyframe_poses_);
+  if (late_pose_) motion_.takeFramePose(*late_pose_);
+  late_keyframe_poses_.clear();
+  late_pose_.reset();
+}
+
+void SlamSystem::sendPoses(Stamp stamp, const SparseStep& step) {
+  if (step.tracking.state != TrackingState::kOk) return;
+  std::vector<TimedPose> keyframes;
+  if (step.keyframe || step.first_keyframe) {
+    for (const KeyframePose& pose : slam_.keyframePoses()) keyframes.push_back({pose.stamp, pose.T_world_camera});
+  }
+  std::lock_guard<std::mutex> lock(late_mutex_);
+  late_pose_ = TimedPose{stamp, step.tracking.T_camera_world.inverse()};
+  if (!keyframes.empty()) late_keyframe_poses_ = std::move(keyframes);
 }
 
 cv::Mat1b SlamSystem::removalMask(const cv::Mat1b& labels, const cv::Mat1b& moving) const {

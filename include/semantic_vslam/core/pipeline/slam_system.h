@@ -92,6 +92,8 @@ class SlamSystem {
   SlamSystem(const SystemConfig& config, Mode mode, SegmentationStage segmentation);
 
   void takeLateLabels(Stamp now);
+  /// Hands a step's pose, and the keyframes' where there is a new one, to the motion stage.
+  void sendPoses(Stamp stamp, const SparseStep& step);
   /// What is known of people in a frame before there is a map, whose first frame must hold none.
   enum class FirstLabels {
     kNotNeeded,  ///< there is a map, or no network
@@ -126,8 +128,10 @@ class SlamSystem {
   std::optional<KeyframeJob> candidate_;  ///< k1, until initialisation has made it the first keyframe
 
   std::mutex late_mutex_;
-  std::deque<LateLabels> late_labels_;  // guarded by late_mutex_
-  std::atomic<bool> network_works_;     ///< there is one, and it has not failed
+  std::deque<LateLabels> late_labels_;          // guarded by late_mutex_
+  std::optional<TimedPose> late_pose_;          // likewise: the newest frame's
+  std::vector<TimedPose> late_keyframe_poses_;  // likewise
+  std::atomic<bool> network_works_;             ///< there is one, and it has not failed
   std::atomic<bool> worker_busy_{false};
   std::atomic<bool> finishing_{false};  ///< nobody waits for tracking any more
   std::atomic<std::size_t> passed_over_{0};

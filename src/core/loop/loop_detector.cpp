@@ -35,7 +35,6 @@ std::set<KeyframeId> surroundings(const Map& map, KeyframeId id) {
     around.insert(neighbour);
     if (shared < kMinShared) continue;
     for (const auto& [second, second_shared] : map.covisible(neighbour, kMinShared)) {
-      static_cast<void>(second_shared);
       around.insert(second);
     }
   }
@@ -46,7 +45,6 @@ std::set<KeyframeId> surroundings(const Map& map, KeyframeId id) {
 double leastNeighbourScore(const Map& map, const std::vector<PlaceMatch>& matches, KeyframeId id) {
   std::set<KeyframeId> neighbours;
   for (const auto& [neighbour, shared] : map.covisible(id, 2 * kMinShared)) {
-    static_cast<void>(shared);
     neighbours.insert(neighbour);
   }
   double least = neighbours.empty() ? 0.0 : 1.0;
@@ -182,7 +180,6 @@ bool LoopDetector::neighboursConfirm(const Map& map, const Keyframe& current, co
   const auto landmarks = landmarksSeenBy(map, group);
   int confirmed = 0, able = 0, asked = 0;
   for (const auto& [id, shared] : map.covisible(current.id, kMinShared)) {
-    static_cast<void>(shared);
     if (confirmed >= config_.confirming_neighbours || asked++ >= 2 * config_.confirming_neighbours) break;
     const Keyframe& neighbour = *map.keyframe(id);
     const SE3 T_neighbour_world = neighbour.T_camera_world * current.T_camera_world.inverse() * T_current_world;

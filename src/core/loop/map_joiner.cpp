@@ -38,7 +38,6 @@ bool joinTrees(Map& map, LoopClosure& closure) {
 std::vector<KeyframeId> abandonedTrees(const Map& map, KeyframeId camera_at, int min_keyframes) {
   std::map<KeyframeId, int> sizes;
   for (const auto& [id, root] : map.roots()) {
-    static_cast<void>(id);
     ++sizes[root];
   }
   const KeyframeId own_root = map.rootOf(camera_at);

@@ -156,7 +156,6 @@ int fuseWithNeighbours(Map& map, KeyframeId keyframe_id, double virtual_baseline
   int fused = 0;
   std::vector<LandmarkId> theirs;
   for (const auto& [neighbour, shared] : neighbours) {
-    static_cast<void>(shared);
     fused += fuseInto(map, valid_landmarks(keyframe_id), neighbour, virtual_baseline_m, config.fuse_radius_px);
     const auto ids = valid_landmarks(neighbour);
     theirs.insert(theirs.end(), ids.begin(), ids.end());
@@ -171,7 +170,6 @@ int cullRedundantKeyframes(Map& map, KeyframeId centre, KeyframeId keep, const S
                            const std::function<void(const Keyframe&)>& before_removal) {
   int removed = 0;
   for (const auto& [id, shared] : map.covisible(centre, 1)) {
-    static_cast<void>(shared);
     const Keyframe& keyframe = *map.keyframe(id);
     if (id == centre || id == keep || !keyframe.parent.valid()) continue;
     if (!isRedundant(map, keyframe, sensor.closeM(), config.redundant_share)) continue;

@@ -117,7 +117,6 @@ int triangulateNewLandmarks(Map& map, KeyframeId id, const SensorConfig& sensor,
   const double min_parallax_rad = config.min_parallax_deg * M_PI / 180.0;
   int made = 0, asked = 0;
   for (const auto& [neighbour, shared] : map.covisible(id, 1)) {
-    static_cast<void>(shared);
     if (asked++ >= config.neighbours) break;
     const Keyframe &a = *map.keyframe(id), &b = *map.keyframe(neighbour);
     for (const FeatureMatch& match :

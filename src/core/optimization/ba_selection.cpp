@@ -47,7 +47,6 @@ class ProblemBuilder {
 std::vector<KeyframeId> adjustedKeyframes(const Map& map, KeyframeId centre, const BaConfig& config) {
   std::vector<KeyframeId> chosen = {centre};
   for (const auto& [neighbour, shared] : map.covisible(centre, config.min_shared)) {
-    static_cast<void>(shared);
     if (static_cast<int>(chosen.size()) >= config.max_keyframes) break;
     chosen.push_back(neighbour);
   }
@@ -71,7 +70,6 @@ std::vector<KeyframeId> ring(const Map& map, const std::set<LandmarkId>& landmar
   std::map<KeyframeId, int> counts;
   for (const LandmarkId id : landmarks) {
     for (const auto& [keyframe, feature_index] : map.landmark(id)->observations) {
-      static_cast<void>(feature_index);
       if (!std::binary_search(inside.begin(), inside.end(), keyframe)) ++counts[keyframe];
     }
   }
@@ -79,7 +77,6 @@ std::vector<KeyframeId> ring(const Map& map, const std::set<LandmarkId>& landmar
   std::stable_sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   std::vector<KeyframeId> chosen;
   for (const auto& [keyframe, count] : ordered) {
-    static_cast<void>(count);
     if (static_cast<int>(chosen.size()) >= max_keyframes) break;
     chosen.push_back(keyframe);
   }
@@ -108,10 +105,7 @@ BaProblem selectGlobal(const Map& map, const SensorConfig& sensor) {
   ProblemBuilder builder(map, sensor);
   for (const auto& [id, keyframe] : map.keyframes()) builder.addKeyframe(id, !keyframe.parent.valid());
   std::vector<LandmarkId> ids;
-  for (const auto& [id, landmark] : map.landmarks()) {
-    static_cast<void>(landmark);
-    ids.push_back(id);
-  }
+  for (const auto& [id, landmark] : map.landmarks()) ids.push_back(id);
   std::sort(ids.begin(), ids.end());
   for (const LandmarkId id : ids) builder.addLandmark(*map.landmark(id));
   return builder.take();

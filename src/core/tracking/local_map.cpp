@@ -19,7 +19,6 @@ std::vector<std::pair<KeyframeId, int>> voteKeyframes(const Map& map, const Trac
     const Landmark* landmark = id.valid() ? map.landmark(id) : nullptr;
     if (!landmark) continue;
     for (const auto& [keyframe, index] : landmark->observations) {
-      static_cast<void>(index);
       ++votes[keyframe.value()];
     }
   }
@@ -42,11 +41,9 @@ LocalMap selectLocalMap(const Map& map, const TrackedFrame& frame, const LocalMa
   const auto most = std::min<std::size_t>(config.max_keyframes, map.keyframes().size());
   const auto full = [&] { return chosen.size() >= most; };
   for (const auto& [id, count] : votes) {
-    static_cast<void>(count);
     if (!full()) chosen.insert(id);
   }
   for (const auto& [id, count] : votes) {
-    static_cast<void>(count);
     if (full()) break;
     const auto neighbours = map.covisible(id, 1);
     for (int i = 0; i < std::min<int>(config.neighbours, static_cast<int>(neighbours.size())) && !full(); ++i) {

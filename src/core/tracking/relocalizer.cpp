@@ -97,7 +97,6 @@ std::vector<KeyframeId> keyframeGroup(const Map& map, KeyframeId id, int neighbo
   if (map.keyframe(id) == nullptr) return group;
   group.push_back(id);
   for (const auto& [neighbour, shared] : map.covisible(id, kMinShared)) {
-    static_cast<void>(shared);
     if (static_cast<int>(group.size()) > neighbours) break;
     group.push_back(neighbour);
   }

@@ -40,11 +40,6 @@ void selectPoints(const GridFrame& current, const cv::Mat2f& flow_cells, const c
   }
 }
 
-cv::Point2d apply(const cv::Matx33d& H, double x, double y) {
-  const cv::Vec3d p = H * cv::Vec3d(x, y, 1.0);
-  return {p[0] / p[2], p[1] / p[2]};
-}
-
 }  // namespace
 
 HomographyMotion estimateHomography(const GridFrame& current, const cv::Mat2f& flow_cells,
@@ -74,18 +69,6 @@ cv::Mat1b warpPrevious(const GridFrame& previous, const GridFrame& current, cons
   cv::Mat1b cells;
   cv::resize(warped, cells, current.cell_gray.size(), 0, 0, cv::INTER_AREA);
   return cells;
-}
-
-cv::Mat2f homographyFlow(const HomographyMotion& motion, cv::Size grid_size) {
-  const cv::Matx33d H_previous_current = motion.H_current_previous.inv();
-  cv::Mat2f flow(grid_size);
-  for (int y = 0; y < grid_size.height; ++y) {
-    for (int x = 0; x < grid_size.width; ++x) {
-      const cv::Point2d before = apply(H_previous_current, x, y);
-      flow(y, x) = {static_cast<float>(x - before.x), static_cast<float>(y - before.y)};
-    }
-  }
-  return flow;
 }
 
 }  // namespace semantic_vslam

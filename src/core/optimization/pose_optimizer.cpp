@@ -31,7 +31,7 @@ PoseCost makeCost(const PoseProblem& problem, const VirtualStereo& camera, const
   for (std::size_t i = 0; i < active.size(); ++i) {
     if (active[i]) points.push_back({T_camera_world * problem.observations[i].point_world, measurements[i]});
   }
-  return PoseCost(camera, T_camera_world, points, problem.prior);
+  return PoseCost(camera, points);
 }
 
 SE3 minimise(const PoseCost& cost, const SE3& T0, int iterations) {

@@ -42,7 +42,8 @@ TEST(CameraModel, RayOfARawPixelProjectsBackOntoIt) {
   const CameraModel camera(freiburg1());
   EXPECT_TRUE(camera.distorted());
   for (const auto& [u, v] : {std::pair(10, 10), std::pair(320, 240), std::pair(630, 20), std::pair(100, 470)}) {
-    const Eigen::Vector2d px = camera.projectRaw(2.0 * camera.rayAtRaw(u, v));
+    const cv::Vec2f& ray = camera.rays()(v, u);
+    const Eigen::Vector2d px = camera.projectRaw(2.0 * Eigen::Vector3d(ray[0], ray[1], 1.0));
     EXPECT_NEAR(px.x(), u, 2e-3);
     EXPECT_NEAR(px.y(), v, 2e-3);
   }

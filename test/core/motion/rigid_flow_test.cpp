@@ -227,9 +227,14 @@ TEST_F(RigidScene, NoDepthGivesNoVote) {
 
 TEST_F(RigidScene, HomographyIsRecoveredAmongMovers) {
   const cv::Matx33d H(1.01, 0.004, 1.5, -0.003, 0.995, -2.0, 1e-5, -2e-5, 1.0);
-  HomographyMotion truth;
-  truth.H_current_previous = H;
-  cv::Mat2f measured = homographyFlow(truth, grid.size());
+  const cv::Matx33d H_previous_current = H.inv();
+  cv::Mat2f measured(grid.size());
+  for (int y = 0; y < measured.rows; ++y) {
+    for (int x = 0; x < measured.cols; ++x) {
+      const cv::Vec3d before = H_previous_current * cv::Vec3d(x, y, 1.0);
+      measured(y, x) = {static_cast<float>(x - before[0] / before[2]), static_cast<float>(y - before[1] / before[2])};
+    }
+  }
   measured(cv::Rect(0, 0, 60, 120)) = cv::Vec2f(6.0F, 3.0F);
   Rng rng(5);
   for (cv::Vec2f& f : measured)

@@ -43,11 +43,6 @@ class CameraModel {
   Eigen::Vector2d projectRaw(const Eigen::Vector3d& point_camera) const;
   /// @param undistorted_px undistorted pixel  @param depth_m z in metres  @return point in metres.
   Eigen::Vector3d unprojectUndistorted(const Eigen::Vector2d& undistorted_px, double depth_m) const;
-  /// Ray (x/z, y/z, 1) of the raw pixel (column u, row v), from a table.
-  Eigen::Vector3d rayAtRaw(int u, int v) const {
-    const cv::Vec2f& ray = rays_(v, u);
-    return {ray[0], ray[1], 1.0};
-  }
   /// x/z and y/z of every raw pixel: height x width, 2 x float32. Multiply by depth in metres for the point.
   const cv::Mat2f& rays() const { return rays_; }
   /// Sub-pixel raw position to undistorted position.

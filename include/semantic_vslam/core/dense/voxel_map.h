@@ -75,10 +75,9 @@ class VoxelMap {
   /// @param points  in the camera frame, metres
   void integrate(const std::vector<LabelledPoint>& points, const FreeSpaceView& view, const SE3& T_world_camera);
 
-  /// @param point_world  metres
-  Occupancy stateAt(const Eigen::Vector3d& point_world) const;
   /// @return the voxel with this index; state kUnknown and zeros where nothing is known.
   Voxel voxel(const Eigen::Vector3i& index) const;
+  /// @param point_world  metres
   Voxel voxelAt(const Eigen::Vector3d& point_world) const;
   /// Calls back for every voxel that is free or occupied, in a fixed order.
   void forEachKnown(const std::function<void(const Voxel&)>& visit) const;

@@ -63,14 +63,6 @@ struct BaProblem {
   std::vector<BaObservation> observations;
 };
 
-struct BaReport {
-  double initial_cost = 0.0,
-         final_cost = 0.0;  ///< half the robust sum of squares, before the first and after the last round
-  int iterations = 0;
-  int outliers = 0;
-  bool aborted = false;
-};
-
 /// The centre, its covisible keyframes and the landmarks they see; keyframes that see these from outside are fixed, as
 /// is the map's first one. @return an empty problem if the centre is gone.
 BaProblem selectLocal(const Map& map, KeyframeId centre, const SensorConfig& sensor, const BaConfig& config);
@@ -84,7 +76,6 @@ BaProblem selectGlobal(const Map& map, const SensorConfig& sensor);
 /// @param config  valid (its owner has validated it)
 /// @param abort   looked at between steps; may be nullptr. What was reached till then is the solution.
 /// @return values of the free keyframes and of all landmarks, and the matches found to be wrong.
-MapSolution solve(const BaProblem& problem, const BaConfig& config, const std::atomic<bool>* abort,
-                  BaReport* report = nullptr);
+MapSolution solve(const BaProblem& problem, const BaConfig& config, const std::atomic<bool>* abort);
 
 }  // namespace semantic_vslam

@@ -3,6 +3,7 @@
 #include "semantic_vslam/core/loop/loop_corrector.h"
 
 #include "semantic_vslam/core/map/map_maintenance.h"
+#include "semantic_vslam/core/map/visibility.h"
 
 namespace semantic_vslam {
 namespace {

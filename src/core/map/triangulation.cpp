@@ -14,7 +14,6 @@
 namespace semantic_vslam {
 namespace {
 
-constexpr float kSurelyStatic = 0.5F;
 // Chi-square bound of one degree of freedom, 95 %: the distance from the epipolar line.
 constexpr double kChi2Line = 3.841;
 // Two views of one point may differ by this many pyramid levels before distance is taken into account.
@@ -25,7 +24,7 @@ std::vector<int> openFeatures(const Keyframe& keyframe) {
   std::vector<int> open;
   const auto& features = keyframe.features->features;
   for (int i = 0; i < static_cast<int>(features.size()); ++i) {
-    if (!keyframe.landmarks[i].valid() && features[i].static_weight > kSurelyStatic) open.push_back(i);
+    if (!keyframe.landmarks[i].valid() && features[i].surelyStatic()) open.push_back(i);
   }
   return open;
 }

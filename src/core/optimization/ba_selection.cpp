@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <map>
-#include <set>
+#include <utility>
 
+#include "semantic_vslam/core/map/visibility.h"
 #include "semantic_vslam/core/optimization/bundle_adjustment.h"
 
 namespace semantic_vslam {
@@ -54,18 +55,8 @@ std::vector<KeyframeId> adjustedKeyframes(const Map& map, KeyframeId centre, con
   return chosen;
 }
 
-std::set<LandmarkId> landmarksOf(const Map& map, const std::vector<KeyframeId>& keyframes) {
-  std::set<LandmarkId> seen;
-  for (const KeyframeId id : keyframes) {
-    for (const LandmarkId landmark : map.keyframe(id)->landmarks) {
-      if (landmark.valid()) seen.insert(landmark);
-    }
-  }
-  return seen;
-}
-
 /// Keyframes outside `inside` that see the landmarks, those that see most first.
-std::vector<KeyframeId> ring(const Map& map, const std::set<LandmarkId>& landmarks,
+std::vector<KeyframeId> ring(const Map& map, const std::vector<LandmarkId>& landmarks,
                              const std::vector<KeyframeId>& inside, int max_keyframes) {
   std::map<KeyframeId, int> counts;
   for (const LandmarkId id : landmarks) {
@@ -89,7 +80,7 @@ BaProblem selectLocal(const Map& map, KeyframeId centre, const SensorConfig& sen
   ProblemBuilder builder(map, sensor);
   if (map.keyframe(centre) == nullptr) return builder.take();
   const std::vector<KeyframeId> adjusted = adjustedKeyframes(map, centre, config);
-  const std::set<LandmarkId> landmarks = landmarksOf(map, adjusted);
+  const std::vector<LandmarkId> landmarks = landmarksSeenBy(map, adjusted);
   const std::vector<KeyframeId> around = ring(map, landmarks, adjusted, config.max_fixed_keyframes);
 
   // Somebody must hold the frame of reference: the map's first keyframe, the ring, or else the oldest.

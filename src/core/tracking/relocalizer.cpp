@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bitset>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -16,7 +17,6 @@ namespace {
 
 // Fewer shared landmarks are often wrong matches (Mur-Artal and Tardos 2015, section III.D).
 constexpr int kMinShared = 15;
-constexpr double kMinViewCosine = 0.5;
 constexpr int kCellColumns = 8, kCellRows = 6;
 
 /// Matches of the frame with the keyframe's landmarks by descriptor alone, entered into the frame.
@@ -49,23 +49,13 @@ PoseProblem makeProblem(const Map& map, const TrackedFrame& frame, const FrameTr
 void addGuidedMatches(const Map& map, const std::vector<LandmarkId>& landmarks, double radius_px,
                       const FrameTrackerConfig& tracker, TrackedFrame& frame) {
   const std::set<LandmarkId> known(frame.landmarks.begin(), frame.landmarks.end());
-  std::vector<GuidedQuery> queries;
-  std::vector<LandmarkId> landmark_of_query;
-  for (const LandmarkId id : landmarks) {
-    if (known.count(id) > 0) continue;
-    const Landmark& landmark = *map.landmark(id);
-    Sighting sighting;
-    if (!predictSighting(landmark, *frame.camera, frame.T_camera_world, kMinViewCosine, sighting)) continue;
-    queries.push_back(makeGuidedQuery(landmark, sighting, radius_px));
-    landmark_of_query.push_back(id);
-  }
-  std::vector<bool> taken(frame.landmarks.size());
-  for (std::size_t i = 0; i < taken.size(); ++i) taken[i] = frame.landmarks[i].valid();
-  GuidedSearchConfig search;
-  search.virtual_bf_px_m = static_cast<float>(frame.camera->fx() * tracker.sensor.virtual_baseline_m);
-  for (const auto& match : searchGuided(queries, *frame.features, frame.grid, taken, search)) {
-    frame.landmarks[match.feature] = landmark_of_query[match.query];
-  }
+  std::vector<LandmarkId> missing;
+  std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(missing),
+               [&known](LandmarkId id) { return known.count(id) == 0; });
+  LandmarkSearch search;
+  search.radius_px = search.oblique_radius_px = radius_px;
+  search.matching.virtual_bf_px_m = static_cast<float>(frame.camera->fx() * tracker.sensor.virtual_baseline_m);
+  for (const auto& [id, feature] : findLandmarks(map, missing, frame, search).found) frame.landmarks[feature] = id;
 }
 
 int occupiedCells(const TrackedFrame& frame) {
@@ -101,19 +91,6 @@ std::vector<KeyframeId> keyframeGroup(const Map& map, KeyframeId id, int neighbo
     group.push_back(neighbour);
   }
   return group;
-}
-
-std::vector<LandmarkId> landmarksSeenBy(const Map& map, const std::vector<KeyframeId>& keyframes) {
-  std::vector<LandmarkId> ids;
-  for (const KeyframeId id : keyframes) {
-    const Keyframe* keyframe = map.keyframe(id);
-    if (keyframe == nullptr) continue;
-    std::copy_if(keyframe->landmarks.begin(), keyframe->landmarks.end(), std::back_inserter(ids),
-                 [](LandmarkId landmark) { return landmark.valid(); });
-  }
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  return ids;
 }
 
 std::optional<RelocalisationResult> localizeAt(const Map& map, const std::vector<KeyframeId>& group,

@@ -73,7 +73,4 @@ std::optional<RelocalisationResult> relocalise(const Map& map, const PlaceIndex&
 /// A keyframe with those it shares most landmarks with, itself first. Empty if it is gone.
 std::vector<KeyframeId> keyframeGroup(const Map& map, KeyframeId id, int neighbours);
 
-/// All landmarks that some keyframes see, each once, in ascending order.
-std::vector<LandmarkId> landmarksSeenBy(const Map& map, const std::vector<KeyframeId>& keyframes);
-
 }  // namespace semantic_vslam

@@ -51,11 +51,11 @@ class RigidScene : public ::testing::Test {
   cv::Mat2f flowOf(const SE3& T) const {
     cv::Mat2f out(grid.size());
     const CellTransform transform(T);
+    ProjectedRow before(out.cols);
     for (int y = 0; y < out.rows; ++y) {
+      grid.projectRow(y, current.depth_m[y], transform, before);
       for (int x = 0; x < out.cols; ++x) {
-        const cv::Point3f p = transform.at(transform.turn(grid.rays()(y, x)), current.depth_m(y, x));
-        const cv::Point2f before = grid.project(p.x, p.y, p.z);
-        out(y, x) = {static_cast<float>(x) - before.x, static_cast<float>(y) - before.y};
+        out(y, x) = {static_cast<float>(x) - before.x[x], static_cast<float>(y) - before.y[x]};
       }
     }
     return out;
@@ -77,10 +77,10 @@ class RigidScene : public ::testing::Test {
 
 TEST_F(RigidScene, GridProjectsWhereItsRaysPoint) {
   for (const cv::Point cell : {cv::Point(0, 0), cv::Point(80, 60), cv::Point(159, 119)}) {
-    const cv::Vec2f ray = grid.rays()(cell);
-    const cv::Point2f back = grid.project(2.0F * ray[0], 2.0F * ray[1], 2.0F);
-    EXPECT_NEAR(back.x, cell.x, 0.05);
-    EXPECT_NEAR(back.y, cell.y, 0.05);
+    ProjectedRow back(grid.size().width);
+    grid.projectRow(cell.y, cv::Mat1f(grid.size(), 2.0F)[0], CellTransform(SE3::Identity()), back);
+    EXPECT_NEAR(back.x[cell.x], cell.x, 0.05);
+    EXPECT_NEAR(back.y[cell.x], cell.y, 0.05);
   }
 }
 

@@ -18,6 +18,16 @@ struct CameraIntrinsics {
   std::array<double, 5> distortion{};                     ///< k1 k2 p1 p2 k3; all 0 for a rectified image
 };
 
+/// The plumb_bob model: moves a ray (x, y, 1) to where the lens shows it. @param k  k1 k2 p1 p2 k3
+template <class Scalar>
+void distortPlumbBob(const std::array<Scalar, 5>& k, Scalar& x, Scalar& y) {
+  const Scalar r2 = x * x + y * y;
+  const Scalar radial = 1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
+  const Scalar moved_x = x * radial + 2 * k[2] * x * y + k[3] * (r2 + 2 * x * x);
+  y = y * radial + k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y;
+  x = moved_x;
+}
+
 /// Pinhole camera with plumb_bob distortion. Immutable, so that frames and threads share one.
 ///
 /// Two kinds of pixel: a *raw* pixel is where the image shows a point; an *undistorted* pixel is where an ideal pinhole
@@ -35,7 +45,6 @@ class CameraModel {
   double fy() const { return intrinsics_.fy; }
   double cx() const { return intrinsics_.cx; }
   double cy() const { return intrinsics_.cy; }
-  bool distorted() const { return distorted_; }
 
   /// Ideal projection. @param point_camera metres, z > 0. @return undistorted pixel.
   Eigen::Vector2d projectUndistorted(const Eigen::Vector3d& point_camera) const;

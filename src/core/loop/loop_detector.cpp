@@ -131,7 +131,7 @@ std::optional<LoopClosure> LoopDetector::verify(const Map& map, const Keyframe& 
   auto group = keyframeGroup(map, candidate, config_.verification.neighbours);
   group.erase(std::remove_if(group.begin(), group.end(), [&](KeyframeId id) { return around_current.count(id) > 0; }),
               group.end());
-  const auto found = localizeAt(map, group, frameOf(current), tracker_, config_.verification);
+  const auto found = relocaliseAt(map, group, frameOf(current), tracker_, config_.verification);
   if (!found || !driftExplains(map, current, candidate, found->T_camera_world)) return std::nullopt;
   if (!neighboursConfirm(map, current, group, found->T_camera_world)) return std::nullopt;
   LoopClosure closure;

@@ -103,7 +103,7 @@ std::optional<Eigen::Vector3d> pointOf(const Keyframe& a, int i, const Keyframe&
                                        double min_parallax_rad) {
   const Ray ray_a = rayInWorld(a, i), ray_b = rayInWorld(b, j);
   if (parallax(ray_a, ray_b) < min_parallax_rad) return std::nullopt;
-  const auto point_world = triangulate(ray_a, ray_b);
+  const auto point_world = intersectRays(ray_a, ray_b);
   if (!point_world || !fits(a, i, *point_world, sensor) || !fits(b, j, *point_world, sensor)) return std::nullopt;
   if (!sizesAgree(a, i, b, j, *point_world)) return std::nullopt;
   return point_world;

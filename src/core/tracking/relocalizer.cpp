@@ -20,7 +20,8 @@ constexpr int kMinShared = 15;
 constexpr int kCellColumns = 8, kCellRows = 6;
 
 /// Matches of the frame with the keyframe's landmarks by descriptor alone, entered into the frame.
-int matchByDescriptor(const Map& map, const Keyframe& keyframe, const RelocalizerConfig& config, TrackedFrame& frame) {
+int matchByDescriptor(const Map& map, const Keyframe& keyframe, const RelocalisationConfig& config,
+                      TrackedFrame& frame) {
   std::vector<bool> has_landmark(keyframe.landmarks.size());
   for (std::size_t i = 0; i < has_landmark.size(); ++i) {
     has_landmark[i] = keyframe.landmarks[i].valid() && map.landmark(keyframe.landmarks[i]) != nullptr;
@@ -70,7 +71,7 @@ int occupiedCells(const TrackedFrame& frame) {
   return static_cast<int>(occupied.count());
 }
 
-bool isSure(const PoseEstimate& estimate, const TrackedFrame& frame, const RelocalizerConfig& config) {
+bool isSure(const PoseEstimate& estimate, const TrackedFrame& frame, const RelocalisationConfig& config) {
   const double sigma_m = std::sqrt(estimate.covariance.diagonal().head<3>().maxCoeff());
   return estimate.success && estimate.inliers >= config.min_inliers && sigma_m <= config.max_sigma_m &&
          occupiedCells(frame) >= config.min_cells;
@@ -93,9 +94,9 @@ std::vector<KeyframeId> keyframeGroup(const Map& map, KeyframeId id, int neighbo
   return group;
 }
 
-std::optional<RelocalisationResult> localizeAt(const Map& map, const std::vector<KeyframeId>& group,
-                                               const TrackedFrame& frame, const FrameTrackerConfig& tracker,
-                                               const RelocalizerConfig& config) {
+std::optional<RelocalisationResult> relocaliseAt(const Map& map, const std::vector<KeyframeId>& group,
+                                                 const TrackedFrame& frame, const FrameTrackerConfig& tracker,
+                                                 const RelocalisationConfig& config) {
   if (group.empty() || map.keyframe(group.front()) == nullptr) return std::nullopt;
   TrackedFrame working = frame;
   working.landmarks.assign(working.features->size(), LandmarkId());
@@ -119,7 +120,7 @@ std::optional<RelocalisationResult> localizeAt(const Map& map, const std::vector
 }
 
 std::optional<RelocalisationResult> relocalise(const Map& map, const PlaceIndex& index, const TrackedFrame& frame,
-                                               const FrameTrackerConfig& tracker, const RelocalizerConfig& config,
+                                               const FrameTrackerConfig& tracker, const RelocalisationConfig& config,
                                                const std::function<bool(KeyframeId)>& among) {
   std::vector<RelocalisationResult> found;
   std::set<KeyframeId> explained;  // shown by a pose found already
@@ -131,7 +132,7 @@ std::optional<RelocalisationResult> relocalise(const Map& map, const PlaceIndex&
     if (explained.count(match.keyframe) > 0 || (among && !among(match.keyframe))) continue;
     const auto group = keyframeGroup(map, match.keyframe, config.neighbours);
     ++tried;
-    auto result = localizeAt(map, group, frame, tracker, config);
+    auto result = relocaliseAt(map, group, frame, tracker, config);
     if (!result) continue;
     for (const KeyframeId id : keyframeGroup(map, match.keyframe, static_cast<int>(map.keyframes().size()))) {
       explained.insert(id);

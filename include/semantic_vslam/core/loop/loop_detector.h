@@ -24,7 +24,7 @@ struct LoopDetectorConfig {
   double max_drift_base_m = 0.3;
   double max_drift_rad_per_m = 0.03;
   double max_drift_base_rad = 0.15;
-  RelocalizerConfig verification;
+  RelocalisationConfig verification;
 
   template <class Visitor>
   void visit(Visitor& v) {

@@ -20,7 +20,7 @@ struct SparseSlamConfig {
   TriangulationConfig triangulation;
   BaConfig local_ba;
   PlaceIndexConfig places;
-  RelocalizerConfig relocalisation;
+  RelocalisationConfig relocalisation;
   bool close_loops = true;
   LoopDetectorConfig loop_detection;
   LoopCorrectorConfig loop_correction;
@@ -29,9 +29,9 @@ struct SparseSlamConfig {
   void visit(Visitor& v) {
     v.group("sensor", tracking.frame.sensor);
     v.group("tracking", tracking);
-    v.group("mapping", mapping);
+    v.group("sparse_map", mapping);
     v.group("triangulation", triangulation);
-    v.group("local_ba", local_ba);
+    v.group("bundle_adjustment", local_ba);
     v.group("places", places);
     v.group("relocalisation", relocalisation);
     v.flag("close_loops", close_loops,

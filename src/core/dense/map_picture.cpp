@@ -12,13 +12,11 @@
 namespace semantic_vslam {
 namespace {
 
-Eigen::Vector3d position(const LabelledPoint& point) { return {point.xyz_m[0], point.xyz_m[1], point.xyz_m[2]}; }
-
 /// About `count` points, evenly out of all.
 std::vector<Eigen::Vector3d> samplePositions(const std::vector<LabelledPoint>& cloud, std::size_t count) {
   std::vector<Eigen::Vector3d> sample;
   const std::size_t step = std::max<std::size_t>(1, cloud.size() / count);
-  for (std::size_t i = 0; i < cloud.size(); i += step) sample.push_back(position(cloud[i]));
+  for (std::size_t i = 0; i < cloud.size(); i += step) sample.push_back(cloud[i].position());
   return sample;
 }
 

@@ -81,14 +81,13 @@ std::vector<FeatureMatch> matchAlongEpipolarLines(const Keyframe& a, const std::
   return matches;
 }
 
-bool fits(const Keyframe& keyframe, int feature_index, const Eigen::Vector3d& point_world, const SensorConfig& sensor) {
-  const Eigen::Vector3d p = keyframe.T_camera_world * point_world;
-  if (p.z() < kMinProjectionDepthM) return false;
+bool fitsFeature(const Keyframe& keyframe, int feature_index, const Eigen::Vector3d& point_world,
+                 const SensorConfig& sensor) {
   const VirtualStereo camera(keyframe.camera->intrinsics(), sensor.virtual_baseline_m);
   const Feature& feature = keyframe.features->features[feature_index];
   const PixelMeasurement m = makeMeasurement(feature.undistorted_px.cast<double>(), feature.depth_m,
                                              pyramidScale(feature.octave), 1.0, camera, sensor);
-  return whitenedError(camera, m, p).squaredNorm() <= m.chi2Bound();
+  return fits(camera, m, keyframe.T_camera_world * point_world);
 }
 
 /// A point seen from twice as far looks half as large: the pyramid levels must agree with that.
@@ -104,7 +103,8 @@ std::optional<Eigen::Vector3d> pointOf(const Keyframe& a, int i, const Keyframe&
   const Ray ray_a = rayInWorld(a, i), ray_b = rayInWorld(b, j);
   if (parallax(ray_a, ray_b) < min_parallax_rad) return std::nullopt;
   const auto point_world = intersectRays(ray_a, ray_b);
-  if (!point_world || !fits(a, i, *point_world, sensor) || !fits(b, j, *point_world, sensor)) return std::nullopt;
+  if (!point_world || !fitsFeature(a, i, *point_world, sensor) || !fitsFeature(b, j, *point_world, sensor))
+    return std::nullopt;
   if (!sizesAgree(a, i, b, j, *point_world)) return std::nullopt;
   return point_world;
 }

@@ -73,11 +73,8 @@ std::vector<bool> judge(const BaProblem& problem, const Observed& observed, cons
   std::vector<bool> inlier(problem.observations.size());
   for (std::size_t i = 0; i < inlier.size(); ++i) {
     const auto& o = problem.observations[i];
-    const auto& m = observed.measurements[i];
-    const Eigen::Vector3d p = poses[o.keyframe] * state.positions[o.landmark];
-    inlier[i] = !observed.adjusted(o.landmark) ||
-                (p.z() >= kMinProjectionDepthM &&
-                 whitenedError(observed.cameras[o.keyframe], m, p).squaredNorm() <= m.chi2Bound());
+    inlier[i] = !observed.adjusted(o.landmark) || fits(observed.cameras[o.keyframe], observed.measurements[i],
+                                                       poses[o.keyframe] * state.positions[o.landmark]);
   }
   return inlier;
 }

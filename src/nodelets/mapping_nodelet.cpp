@@ -17,17 +17,17 @@
 #include <utility>
 #include <vector>
 
+#include "core/dense/dense_mapper.h"
+#include "core/dense/waiting_keyframes.h"
+#include "core/runtime/worker.h"
+#include "ros/conversions.h"
+#include "ros/keyframe_inputs.h"
+#include "ros/map_publisher.h"
+#include "ros/parameters.h"
+#include "ros/services.h"
+#include "ros/stage_nodelet.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/dense/dense_mapper.h"
-#include "semantic_vslam/core/dense/waiting_keyframes.h"
-#include "semantic_vslam/core/segmentation/label_set.h"
-#include "semantic_vslam/ros/conversions.h"
-#include "semantic_vslam/ros/keyframe_inputs.h"
-#include "semantic_vslam/ros/map_publisher.h"
-#include "semantic_vslam/ros/parameters.h"
-#include "semantic_vslam/ros/services.h"
-#include "semantic_vslam/ros/stage_nodelet.h"
-#include "semantic_vslam/ros/worker.h"
+#include "semantic_vslam/core/common/label_set.h"
 
 namespace semantic_vslam {
 

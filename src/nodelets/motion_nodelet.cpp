@@ -13,16 +13,16 @@
 #include <utility>
 #include <vector>
 
+#include "core/motion/flow_colour.h"
+#include "core/motion/motion_detector.h"
+#include "core/runtime/worker.h"
+#include "ros/conversions.h"
+#include "ros/parameters.h"
+#include "ros/rgbd_converter.h"
+#include "ros/rgbd_subscriber.h"
+#include "ros/stage_nodelet.h"
+#include "ros/threshold_server.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/motion/flow_colour.h"
-#include "semantic_vslam/core/motion/motion_detector.h"
-#include "semantic_vslam/ros/conversions.h"
-#include "semantic_vslam/ros/parameters.h"
-#include "semantic_vslam/ros/rgbd_converter.h"
-#include "semantic_vslam/ros/rgbd_subscriber.h"
-#include "semantic_vslam/ros/stage_nodelet.h"
-#include "semantic_vslam/ros/threshold_server.h"
-#include "semantic_vslam/ros/worker.h"
 
 namespace semantic_vslam {
 

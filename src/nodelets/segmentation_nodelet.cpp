@@ -10,14 +10,14 @@
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
 
+#include "core/runtime/worker.h"
+#include "core/segmentation/label_picture.h"
+#include "core/segmentation/segmentation_stage.h"
+#include "ros/conversions.h"
+#include "ros/kept_frames.h"
+#include "ros/parameters.h"
+#include "ros/stage_nodelet.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/segmentation/label_picture.h"
-#include "semantic_vslam/core/segmentation/segmentation_stage.h"
-#include "semantic_vslam/ros/conversions.h"
-#include "semantic_vslam/ros/kept_frames.h"
-#include "semantic_vslam/ros/parameters.h"
-#include "semantic_vslam/ros/stage_nodelet.h"
-#include "semantic_vslam/ros/worker.h"
 
 namespace semantic_vslam {
 

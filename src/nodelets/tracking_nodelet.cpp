@@ -9,18 +9,18 @@
 #include <utility>
 #include <vector>
 
+#include "core/runtime/worker.h"
+#include "ros/conversions.h"
+#include "ros/motion_mask_input.h"
+#include "ros/parameters.h"
+#include "ros/rgbd_converter.h"
+#include "ros/rgbd_subscriber.h"
+#include "ros/services.h"
+#include "ros/stage_nodelet.h"
+#include "ros/tracking_publisher.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/io/trajectory.h"
 #include "semantic_vslam/core/pipeline/sparse_slam.h"
-#include "semantic_vslam/ros/conversions.h"
-#include "semantic_vslam/ros/motion_mask_input.h"
-#include "semantic_vslam/ros/parameters.h"
-#include "semantic_vslam/ros/rgbd_converter.h"
-#include "semantic_vslam/ros/rgbd_subscriber.h"
-#include "semantic_vslam/ros/services.h"
-#include "semantic_vslam/ros/stage_nodelet.h"
-#include "semantic_vslam/ros/tracking_publisher.h"
-#include "semantic_vslam/ros/worker.h"
 
 namespace semantic_vslam {
 

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/kept_frames.h"
+#include "ros/kept_frames.h"
 
 #include <chrono>
 #include <utility>
 
-#include "semantic_vslam/ros/conversions.h"
+#include "ros/conversions.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/keyframe_inputs.h"
+#include "ros/keyframe_inputs.h"
 
 #include <ros/console.h>
 
@@ -8,9 +8,9 @@
 #include <cmath>
 #include <utility>
 
+#include "core/labels/dynamic_objects.h"
+#include "ros/conversions.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/segmentation/dynamic_objects.h"
-#include "semantic_vslam/ros/conversions.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/motion_mask_input.h"
+#include "ros/motion_mask_input.h"
 
 #include <ros/console.h>
 
 #include <chrono>
 
+#include "ros/conversions.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/ros/conversions.h"
 
 namespace semantic_vslam {
 

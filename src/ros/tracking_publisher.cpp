@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/tracking_publisher.h"
+#include "ros/tracking_publisher.h"
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <nav_msgs/Path.h>
@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "semantic_vslam/ros/conversions.h"
+#include "ros/conversions.h"
 
 namespace semantic_vslam {
 namespace {

@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-#include "semantic_vslam/core/camera/bilinear.h"
+#include "core/camera/bilinear.h"
 #include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {

@@ -5,10 +5,10 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "core/labels/dynamic_objects.h"
+#include "core/runtime/thread_priority.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/common/thread_priority.h"
-#include "semantic_vslam/core/segmentation/dynamic_objects.h"
 
 namespace semantic_vslam {
 namespace {

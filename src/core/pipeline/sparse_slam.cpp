@@ -5,11 +5,11 @@
 #include <functional>
 #include <utility>
 
+#include "core/map/map_file.h"
+#include "core/runtime/thread_priority.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/common/thread_priority.h"
-#include "semantic_vslam/core/io/map_file.h"
 
 namespace semantic_vslam {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/loop/loop_detector.h"
 #include "semantic_vslam/core/common/stamp.h"
-#include "semantic_vslam/core/loop/loop_detector.h"
 #include "semantic_vslam/core/pipeline/shared_map.h"
 #include "semantic_vslam/core/pipeline/sparse_slam_config.h"
 

@@ -4,10 +4,10 @@
 
 #include <mutex>
 
-#include "semantic_vslam/core/features/place_index.h"
-#include "semantic_vslam/core/map/map.h"
-#include "semantic_vslam/core/tracking/tracker.h"
-#include "semantic_vslam/core/tracking/trajectory_log.h"
+#include "core/features/place_index.h"
+#include "core/map/map.h"
+#include "core/tracking/tracker.h"
+#include "core/tracking/trajectory_log.h"
 
 namespace semantic_vslam {
 

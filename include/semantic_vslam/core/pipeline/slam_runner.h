@@ -8,7 +8,7 @@
 #include <mutex>
 #include <thread>
 
-#include "semantic_vslam/core/common/bounded_queue.h"
+#include "core/runtime/bounded_queue.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"
 
 namespace semantic_vslam {

@@ -10,14 +10,14 @@
 #include <thread>
 #include <vector>
 
-#include "semantic_vslam/core/common/bounded_queue.h"
-#include "semantic_vslam/core/dense/dense_mapper.h"
-#include "semantic_vslam/core/dense/waiting_keyframes.h"
-#include "semantic_vslam/core/eval/stage_timing.h"
-#include "semantic_vslam/core/motion/motion_detector.h"
+#include "core/dense/dense_mapper.h"
+#include "core/dense/waiting_keyframes.h"
+#include "core/motion/motion_detector.h"
+#include "core/runtime/bounded_queue.h"
+#include "core/segmentation/segmentation_stage.h"
+#include "semantic_vslam/core/common/stage_timing.h"
 #include "semantic_vslam/core/pipeline/config.h"
 #include "semantic_vslam/core/pipeline/sparse_slam.h"
-#include "semantic_vslam/core/segmentation/segmentation_stage.h"
 
 namespace semantic_vslam {
 

@@ -12,12 +12,12 @@
 #include <thread>
 #include <vector>
 
-#include "semantic_vslam/core/common/bounded_queue.h"
-#include "semantic_vslam/core/common/latest_task.h"
-#include "semantic_vslam/core/dense/keyframe_cloud.h"
-#include "semantic_vslam/core/eval/stage_timing.h"
+#include "core/dense/keyframe_cloud.h"
+#include "core/loop/map_joiner.h"
+#include "core/runtime/bounded_queue.h"
+#include "core/runtime/latest_task.h"
+#include "semantic_vslam/core/common/stage_timing.h"
 #include "semantic_vslam/core/io/trajectory.h"
-#include "semantic_vslam/core/loop/map_joiner.h"
 #include "semantic_vslam/core/pipeline/loop_closer.h"
 #include "semantic_vslam/core/pipeline/shared_map.h"
 #include "semantic_vslam/core/pipeline/sparse_slam_config.h"

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/pipeline/sparse_slam.h"
 #include "semantic_vslam/core/common/arguments.h"
 #include "semantic_vslam/core/common/config_arguments.h"
 #include "semantic_vslam/core/common/error.h"
@@ -22,7 +23,7 @@
 #include "semantic_vslam/core/io/atomic_file.h"
 #include "semantic_vslam/core/io/json_writer.h"
 #include "semantic_vslam/core/io/stamp_association.h"
-#include "semantic_vslam/core/pipeline/slam_system.h"
+#include "semantic_vslam/core/pipeline/pipeline.h"
 
 namespace {
 
@@ -74,7 +75,7 @@ double cpuSeconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-Outcome runThrough(FrameSource& frames, SlamSystem& system, std::size_t most_frames, bool verbose) {
+Outcome runThrough(FrameSource& frames, Pipeline& system, std::size_t most_frames, bool verbose) {
   Outcome outcome;
   const auto& truth = frames.groundTruth();
   if (truth.empty()) throw Error("the recording has no ground truth to judge loops by");
@@ -126,7 +127,7 @@ int run(const Arguments& arguments, const SystemConfig& config) {
   for (const char* output : {"--map", "--trajectory"}) {
     if (const auto path = arguments.value(output)) requireWritable(*path);
   }
-  SlamSystem system(config, SlamSystem::Mode::kSynchronous);
+  Pipeline system(config);
   const Outcome outcome = runThrough(*recording, system, most_frames, arguments.has("--verbose"));
   if (const auto map = arguments.value("--map")) system.slam().saveMap(*map);
   if (const auto poses = arguments.value("--trajectory")) writeTumTrajectory(*poses, system.slam().trajectory());

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "semantic_vslam/ros/stamped_buffer.h"
-#include "semantic_vslam/ros/worker.h"
+#include "semantic_vslam/core/runtime/worker.h"
 
 namespace semantic_vslam {
 namespace {

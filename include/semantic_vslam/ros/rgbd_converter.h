@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "semantic_vslam/core/camera/rgbd_frame.h"
+#include "semantic_vslam/core/pipeline/keyframe_inputs.h"
 #include "semantic_vslam/ros/log_throttle.h"
 #include "semantic_vslam/ros/rgbd_subscriber.h"
 
@@ -22,6 +23,9 @@ class RgbdConverter {
 
   /// @return nothing if the pair is unusable (encoding, size, calibration): counted, and said in the log, throttled.
   std::optional<RgbdFrame> convert(const RgbdMessages& messages);
+
+  /// The same for a stage to call when it needs the frame. This object must outlive what is returned.
+  PendingFrame pending(const RgbdMessages& messages);
 
   std::size_t refused() const { return refused_; }
 

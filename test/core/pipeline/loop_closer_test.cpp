@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "../support/synthetic_map.h"
-#include "semantic_vslam/core/common/latest_task.h"
+#include "semantic_vslam/core/runtime/latest_task.h"
 
 namespace semantic_vslam {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <thread>
 
-#include "semantic_vslam/core/common/bounded_queue.h"
+#include "semantic_vslam/core/runtime/bounded_queue.h"
 #include "semantic_vslam/core/io/frame_source.h"
 
 namespace semantic_vslam {

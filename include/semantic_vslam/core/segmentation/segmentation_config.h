@@ -9,7 +9,7 @@
 
 namespace semantic_vslam {
 
-/// Stage 4: the network, the refinement of its masks on depth, and the decision which objects move.
+/// Stage 3: the network and the refinement of its masks on depth.
 struct SegmentationConfig {
   std::string model;
   std::string sidecar;
@@ -18,18 +18,10 @@ struct SegmentationConfig {
   int arena_mb = 512;
   double longest_gap_s = 0.5;
   double weak_person = 0.1;
-  double phi = 0.4;
   RefinementConfig refinement;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    visitLabelling(v);
-    v.field("phi", phi, 0.0, 1.0, "eq. (5): an object moves when more than this share of its mask moves");
-  }
-
-  /// What makes the labels: all but the decision, which others make who have the masks of motion.
-  template <class Visitor>
-  void visitLabelling(Visitor& v) {
     v.text(
         "model", model,
         "semantic network: an .onnx file, or its name in this package's folder models; empty: motion detection alone");

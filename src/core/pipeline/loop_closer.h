@@ -3,12 +3,11 @@
 #pragma once
 
 #include <atomic>
-#include <cstddef>
 #include <vector>
 
+#include "core/pipeline/sparse_state.h"
 #include "semantic_vslam/core/common/stamp.h"
 #include "semantic_vslam/core/loop/loop_detector.h"
-#include "semantic_vslam/core/pipeline/shared_map.h"
 #include "semantic_vslam/core/pipeline/sparse_slam_config.h"
 
 namespace semantic_vslam {
@@ -19,34 +18,33 @@ struct ClosedLoop {
   SE3 T_current_matched = SE3::Identity();  ///< as the old landmarks had it, before any optimisation
 };
 
-/// Closes loops in a map that tracking works on meanwhile: looks, copies, solves without the lock, applies (Mur-Artal
-/// and Tardos 2015, section VII).
+/// Closes loops in a map that tracking may work on meanwhile: looks and copies alone with the map, solves, applies alone
+/// with it again (Mur-Artal and Tardos 2015, section VII).
 class LoopCloser {
  public:
-  /// @param map  must outlive this object  @throws ConfigError
-  LoopCloser(const SparseSlamConfig& config, SharedMap& map);
+  /// @param state  must outlive this object  @throws ConfigError
+  LoopCloser(const SparseSlamConfig& config, SparseState& state);
 
   /// Looks whether the camera is back at an old place, and if so bends the map to that; joins the trees of both visits
   /// if they are two. adjustAll() should follow.
   /// @return whether a loop was closed
-  bool closeAt(KeyframeId keyframe);
+  bool closeAt(KeyframeId keyframe, const Alone& alone);
   /// Global bundle adjustment. @param abort  ends it early, with nothing changed
-  void adjustAll(const std::atomic<bool>& abort);
+  void adjustAll(const Alone& alone, const std::atomic<bool>& abort);
 
   /// Every loop closed in this map, in order.
-  std::vector<ClosedLoop> closedLoops() const;
-  std::size_t count() const;
-  /// The map is another one; the caller holds its mutex.
-  void resetLocked();
+  const std::vector<ClosedLoop>& closedLoops() const { return closed_; }
+  /// The map is another one.
+  void reset();
 
  private:
   /// Bends the map to a closure. @return false if the map changed while that was computed, or lost its keyframes
-  bool correct(const LoopClosure& closure);
+  bool correct(const LoopClosure& closure, const Alone& alone);
 
   const SparseSlamConfig config_;
-  SharedMap& shared_;
-  LoopDetector detector_;           // guarded by shared_.mutex
-  std::vector<ClosedLoop> closed_;  // guarded by shared_.mutex
+  SparseState& state_;
+  LoopDetector detector_;
+  std::vector<ClosedLoop> closed_;
 };
 
 }  // namespace semantic_vslam

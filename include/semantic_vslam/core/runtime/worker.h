@@ -3,20 +3,24 @@
 #pragma once
 
 #include <atomic>
+#include <exception>
 #include <functional>
 #include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 
-#include "semantic_vslam/core/common/bounded_queue.h"
-#include "semantic_vslam/core/common/thread_priority.h"
+#include "semantic_vslam/core/common/log.h"
+#include "semantic_vslam/core/runtime/bounded_queue.h"
+#include "semantic_vslam/core/runtime/thread_priority.h"
 
 namespace semantic_vslam {
 
 /// kKeyframes: work that may take its time gives way to what every frame waits for, where cores are few.
 enum class WorkerPriority { kFrames, kKeyframes };
 
-/// One thread that works off a bounded queue, so that callbacks return at once. Dropped items are counted.
+/// One thread that works off a bounded queue, so that who pushes goes on at once. Dropped items are counted. An
+/// exception costs the item, never the process.
 template <class T>
 class Worker {
  public:
@@ -29,13 +33,18 @@ class Worker {
   /// Drops what waits, finishes what runs.
   ~Worker() {
     queue_.clear();
-    queue_.close();
-    thread_.join();
+    finish();
   }
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  void push(T item) { queue_.push(std::move(item)); }
+  /// @return false if nothing is taken any more
+  bool push(T item) { return queue_.push(std::move(item)); }
+  /// Finishes what waits and what runs. No push() after it.
+  void finish() {
+    queue_.close();
+    if (thread_.joinable()) thread_.join();
+  }
   std::size_t waiting() const { return queue_.size(); }
   /// Nothing waits and nothing runs; true for a moment too while an item is taken from the queue.
   bool idle() const { return !running_ && queue_.size() == 0; }
@@ -46,7 +55,11 @@ class Worker {
     if (priority == WorkerPriority::kKeyframes) lowerThreadPriority();
     while (std::optional<T> item = queue_.pop()) {
       running_ = true;
-      handler_(std::move(*item));
+      try {
+        handler_(std::move(*item));
+      } catch (const std::exception& error) {
+        logError(std::string("a frame or keyframe is lost: ") + error.what());
+      }
       running_ = false;
     }
   }

@@ -12,16 +12,16 @@
 #include <utility>
 #include <vector>
 
+#include "core/runtime/dense_runner.h"
+#include "ros/conversions.h"
+#include "ros/map_publisher.h"
+#include "ros/motion_input.h"
+#include "ros/parameters.h"
+#include "ros/rgbd_converter.h"
+#include "ros/rgbd_subscriber.h"
+#include "ros/services.h"
+#include "ros/stage_nodelet.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/runtime/dense_runner.h"
-#include "semantic_vslam/ros/conversions.h"
-#include "semantic_vslam/ros/map_publisher.h"
-#include "semantic_vslam/ros/motion_input.h"
-#include "semantic_vslam/ros/parameters.h"
-#include "semantic_vslam/ros/rgbd_converter.h"
-#include "semantic_vslam/ros/rgbd_subscriber.h"
-#include "semantic_vslam/ros/services.h"
-#include "semantic_vslam/ros/stage_nodelet.h"
 
 namespace semantic_vslam {
 
@@ -104,9 +104,7 @@ void MappingNodelet::start() {
 }
 
 void MappingNodelet::run(ros::NodeHandle nh) {
-  const auto running = [this] {
-    return Running{motion_ && motion_->runs(), labels_.getNumPublishers() > 0};
-  };
+  const auto running = [this] { return Running{motion_ && motion_->runs(), labels_.getNumPublishers() > 0}; };
   runner_ = std::make_unique<DenseRunner>(
       DenseStage(config_.dense, config_.removal), config_.inputs, config_.frames.kept_frames,
       DenseRunner::Hooks{
@@ -126,17 +124,17 @@ void MappingNodelet::subscribe(ros::NodeHandle nh, ros::NodeHandle private_nh) {
       "segmentation/labels", 5, labelsFromRos([this](const FrameLabels& labels) { runner_->take(labels); }));
   subscribers_.push_back(nh.subscribe<LabelInfo>(
       "segmentation/label_info", 1, [this](const LabelInfoConstPtr& info) { runner_->take(fromRos(*info)); }));
-  subscribers_.push_back(nh.subscribe<KeyframePoseArray>(
-      "tracking/keyframe_poses", 1, [this](const KeyframePoseArrayConstPtr& map) {
+  subscribers_.push_back(
+      nh.subscribe<KeyframePoseArray>("tracking/keyframe_poses", 1, [this](const KeyframePoseArrayConstPtr& map) {
         runner_->take(std::make_shared<const MapSnapshot>(fromRos(*map)));
       }));
   // When the worker is far behind keyframes block, but not the thread that takes the images in.
   subscribers_.push_back(getMTNodeHandle().subscribe<KeyframeStamped>(
       "tracking/keyframe", 50,
       [this](const KeyframeStampedConstPtr& keyframe) { runner_->name(noticeFromRos(*keyframe)); }));
-  input_ = std::make_unique<RgbdSubscriber>(
-      nh, private_nh, config_.frames.input,
-      [this](const RgbdMessages& messages) { runner_->offer(converter_->pending(messages)); });
+  input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.frames.input, [this](const RgbdMessages& messages) {
+    runner_->offer(converter_->pending(messages));
+  });
 }
 
 void MappingNodelet::advertiseServices(ros::NodeHandle private_nh) {

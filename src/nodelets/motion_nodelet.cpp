@@ -11,14 +11,14 @@
 #include <pluginlib/class_list_macros.hpp>
 #include <vector>
 
-#include "semantic_vslam/core/motion/flow_colour.h"
-#include "semantic_vslam/core/runtime/motion_runner.h"
-#include "semantic_vslam/ros/conversions.h"
-#include "semantic_vslam/ros/parameters.h"
-#include "semantic_vslam/ros/rgbd_converter.h"
-#include "semantic_vslam/ros/rgbd_subscriber.h"
-#include "semantic_vslam/ros/stage_nodelet.h"
-#include "semantic_vslam/ros/threshold_server.h"
+#include "core/motion/flow_colour.h"
+#include "core/runtime/motion_runner.h"
+#include "ros/conversions.h"
+#include "ros/parameters.h"
+#include "ros/rgbd_converter.h"
+#include "ros/rgbd_subscriber.h"
+#include "ros/stage_nodelet.h"
+#include "ros/threshold_server.h"
 
 namespace semantic_vslam {
 

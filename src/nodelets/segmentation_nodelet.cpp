@@ -12,14 +12,14 @@
 #include <string>
 #include <vector>
 
+#include "core/runtime/label_runner.h"
+#include "core/segmentation/label_picture.h"
+#include "ros/conversions.h"
+#include "ros/parameters.h"
+#include "ros/rgbd_converter.h"
+#include "ros/rgbd_subscriber.h"
+#include "ros/stage_nodelet.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/runtime/label_runner.h"
-#include "semantic_vslam/core/segmentation/label_picture.h"
-#include "semantic_vslam/ros/conversions.h"
-#include "semantic_vslam/ros/parameters.h"
-#include "semantic_vslam/ros/rgbd_converter.h"
-#include "semantic_vslam/ros/rgbd_subscriber.h"
-#include "semantic_vslam/ros/stage_nodelet.h"
 
 namespace semantic_vslam {
 

@@ -11,17 +11,17 @@
 #include <vector>
 
 #include "core/pipeline/sparse_slam.h"
+#include "core/runtime/tracking_runner.h"
+#include "ros/conversions.h"
+#include "ros/motion_input.h"
+#include "ros/parameters.h"
+#include "ros/rgbd_converter.h"
+#include "ros/rgbd_subscriber.h"
+#include "ros/services.h"
+#include "ros/stage_nodelet.h"
+#include "ros/tracking_publisher.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/io/trajectory.h"
-#include "semantic_vslam/core/runtime/tracking_runner.h"
-#include "semantic_vslam/ros/conversions.h"
-#include "semantic_vslam/ros/motion_input.h"
-#include "semantic_vslam/ros/parameters.h"
-#include "semantic_vslam/ros/rgbd_converter.h"
-#include "semantic_vslam/ros/rgbd_subscriber.h"
-#include "semantic_vslam/ros/services.h"
-#include "semantic_vslam/ros/stage_nodelet.h"
-#include "semantic_vslam/ros/tracking_publisher.h"
 
 namespace semantic_vslam {
 
@@ -52,8 +52,8 @@ struct TrackingNodeletConfig {
   }
 };
 
-/// Images and motion masks -> pose on tf and tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points}, and
-/// tracking/labels_wanted while the start waits for labels. Owner of the sparse map.
+/// Images and motion masks -> pose on tf and tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points},
+/// and tracking/labels_wanted while the start waits for labels. Owner of the sparse map.
 class TrackingNodelet final : public StageNodelet {
  public:
   ~TrackingNodelet() override { stop(); }
@@ -119,9 +119,8 @@ void TrackingNodelet::run(ros::NodeHandle nh, std::uint32_t first_map_id) {
   };
   hooks.labels_wanted = [this](Stamp) { labels_wanted_.publish(header_); };
   hooks.wishes = [this] { return publisher_->wishes(fromRos(header_.stamp)); };
-  runner_ = std::make_unique<TrackingRunner>(
-      TrackingStage(config_.slam, config_.waits, config_.removal, first_map_id), config_.waits,
-      config_.input.queue_size, std::move(hooks));
+  runner_ = std::make_unique<TrackingRunner>(TrackingStage(config_.slam, config_.waits, config_.removal, first_map_id),
+                                             config_.waits, config_.input.queue_size, std::move(hooks));
 }
 
 /// A network that was there and is gone has broken down; one that was not seen yet may still be loading.

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/nodelet_main.h"
+#include "ros/nodelet_main.h"
 
 int main(int argc, char** argv) {
   return semantic_vslam::runNodelet(argc, argv, "slam_tracking", "semantic_vslam/Tracking");

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/bag_source.h"
+#include "ros/bag_source.h"
 
 #include <geometry_msgs/PoseStamped.h>
 #include <rosbag/view.h>
@@ -12,10 +12,10 @@
 #include <filesystem>
 #include <set>
 
+#include "core/io/stamp_association.h"
+#include "ros/conversions.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/io/stamp_association.h"
-#include "semantic_vslam/ros/conversions.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/conversions.h"
+#include "ros/conversions.h"
 
-#include <ros/console.h>
 #include <cv_bridge/cv_bridge.h>
+#include <ros/console.h>
 #include <sensor_msgs/distortion_models.h>
 #include <sensor_msgs/image_encodings.h>
 #include <sensor_msgs/point_cloud2_iterator.h>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/map_publisher.h"
+#include "ros/map_publisher.h"
 
 #include <nav_msgs/OccupancyGrid.h>
 #include <octomap_msgs/Octomap.h>
@@ -9,7 +9,7 @@
 
 #include <utility>
 
-#include "semantic_vslam/ros/conversions.h"
+#include "ros/conversions.h"
 
 namespace semantic_vslam {
 

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/motion_input.h"
+#include "ros/motion_input.h"
 
 #include <ros/console.h>
 
 #include <optional>
 #include <utility>
 
+#include "ros/conversions.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/ros/conversions.h"
 
 namespace semantic_vslam {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/nodelet_main.h"
+#include "ros/nodelet_main.h"
 
 #include <nodelet/loader.h>
 #include <ros/ros.h>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/recording_bag.h"
+#include "ros/recording_bag.h"
 
 #include <geometry_msgs/PoseStamped.h>
 #include <sensor_msgs/CameraInfo.h>
@@ -13,9 +13,9 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "ros/conversions.h"
+#include "ros/recording_topics.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/ros/conversions.h"
-#include "semantic_vslam/ros/recording_topics.h"
 
 namespace semantic_vslam {
 namespace {

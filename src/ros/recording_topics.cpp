@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/recording_topics.h"
+#include "ros/recording_topics.h"
 
 namespace semantic_vslam {
 

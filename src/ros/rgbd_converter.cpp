@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/rgbd_converter.h"
+#include "ros/rgbd_converter.h"
 
 #include <ros/console.h>
 
+#include "ros/conversions.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/ros/conversions.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/rgbd_subscriber.h"
+#include "ros/rgbd_subscriber.h"
 
 #include <ros/console.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "core/common/stamp_order.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/common/stamp_order.h"
 
 namespace semantic_vslam {
 namespace {

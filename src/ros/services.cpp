@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/services.h"
+#include "ros/services.h"
 
 #include <ros/console.h>
 #include <std_srvs/SetBool.h>

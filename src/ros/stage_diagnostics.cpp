@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/stage_diagnostics.h"
+#include "ros/stage_diagnostics.h"
 
 #include <ros/console.h>
 
 #include <utility>
 
+#include "ros/conversions.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/ros/conversions.h"
 
 namespace semantic_vslam {
 namespace {

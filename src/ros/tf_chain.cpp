@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "semantic_vslam/ros/bag_source.h"
-#include "semantic_vslam/ros/conversions.h"
+#include "ros/bag_source.h"
+#include "ros/conversions.h"
 
 namespace semantic_vslam {
 namespace {

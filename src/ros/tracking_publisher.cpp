@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/tracking_publisher.h"
+#include "ros/tracking_publisher.h"
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <nav_msgs/Path.h>
@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "semantic_vslam/ros/conversions.h"
+#include "ros/conversions.h"
 
 namespace semantic_vslam {
 namespace {
@@ -58,7 +58,11 @@ SE3 InitialPoseConfig::transform() const {
 TrackingPublisher::TrackingPublisher(ros::NodeHandle nh, const FramesConfig& frames,
                                      const InitialPoseConfig& initial_pose, double path_period_s,
                                      std::uint32_t first_map_id)
-    : frames_(frames), initial_pose_(initial_pose), path_period_s_(path_period_s), tf_(nh, frames), map_id_(first_map_id) {
+    : frames_(frames),
+      initial_pose_(initial_pose),
+      path_period_s_(path_period_s),
+      tf_(nh, frames),
+      map_id_(first_map_id) {
   odometry_ = nh.advertise<nav_msgs::Odometry>("tracking/odometry", 30);
   pose_ = nh.advertise<geometry_msgs::PoseWithCovarianceStamped>("tracking/pose", 30);
   path_ = nh.advertise<nav_msgs::Path>("tracking/path", 1, true);
@@ -126,8 +130,8 @@ void TrackingPublisher::publishPose(const std_msgs::Header& image, const BodyTra
 void TrackingPublisher::publishKeyframes(const std_msgs::Header& image, const TrackingOutput& output) {
   const std::vector<KeyframePose>& poses = output.map->poses;
   for (const KeyframeNotice& notice : output.keyframes) {
-    const auto placed = std::find_if(poses.begin(), poses.end(),
-                                     [&](const KeyframePose& pose) { return pose.keyframe == notice.id; });
+    const auto placed =
+        std::find_if(poses.begin(), poses.end(), [&](const KeyframePose& pose) { return pose.keyframe == notice.id; });
     KeyframePose pose{notice.id, notice.stamp, SE3::Identity()};
     if (placed != poses.end()) pose.T_world_camera = *T_map_world_ * placed->T_world_camera;
     KeyframeStamped message = toRos(pose, frames_.map_frame, notice.map_id);

@@ -8,12 +8,12 @@
 #include <optional>
 #include <string>
 
-#include "semantic_vslam/core/common/arguments.h"
+#include "core/common/arguments.h"
+#include "core/io/image_file.h"
+#include "core/io/json_writer.h"
+#include "eval/trajectory_error.h"
+#include "eval/trajectory_plot.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/eval/trajectory_error.h"
-#include "semantic_vslam/core/eval/trajectory_plot.h"
-#include "semantic_vslam/core/io/image_file.h"
-#include "semantic_vslam/core/io/json_writer.h"
 #include "semantic_vslam/core/io/trajectory.h"
 
 namespace {

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "semantic_vslam/core/common/arguments.h"
+#include "core/common/arguments.h"
+#include "core/common/progress.h"
+#include "core/io/image_file.h"
+#include "core/segmentation/label_picture.h"
+#include "core/segmentation/onnx_segmenter.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/common/progress.h"
-#include "semantic_vslam/core/io/image_file.h"
-#include "semantic_vslam/core/segmentation/label_picture.h"
-#include "semantic_vslam/core/segmentation/onnx_segmenter.h"
 
 namespace {
 

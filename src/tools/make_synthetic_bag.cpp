@@ -16,12 +16,12 @@
 #include <thread>
 #include <vector>
 
-#include "semantic_vslam/core/common/arguments.h"
+#include "core/common/arguments.h"
+#include "core/common/progress.h"
+#include "core/io/tum_writer.h"
+#include "eval/scenario_source.h"
+#include "ros/recording_bag.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/common/progress.h"
-#include "semantic_vslam/core/eval/scenario_source.h"
-#include "semantic_vslam/core/io/tum_writer.h"
-#include "semantic_vslam/ros/recording_bag.h"
 
 namespace {
 

@@ -12,17 +12,17 @@
 #include <string>
 #include <vector>
 
+#include "core/common/arguments.h"
+#include "core/common/atomic_file.h"
+#include "core/common/config_arguments.h"
+#include "core/common/progress.h"
+#include "core/io/json_writer.h"
+#include "core/io/stamp_association.h"
 #include "core/pipeline/sparse_slam.h"
-#include "semantic_vslam/core/common/arguments.h"
-#include "semantic_vslam/core/common/config_arguments.h"
+#include "eval/open_recording.h"
+#include "eval/run_report.h"
+#include "eval/trajectory_error.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/common/progress.h"
-#include "semantic_vslam/core/eval/open_recording.h"
-#include "semantic_vslam/core/eval/run_report.h"
-#include "semantic_vslam/core/eval/trajectory_error.h"
-#include "semantic_vslam/core/io/atomic_file.h"
-#include "semantic_vslam/core/io/json_writer.h"
-#include "semantic_vslam/core/io/stamp_association.h"
 #include "semantic_vslam/core/pipeline/pipeline.h"
 
 namespace {

@@ -10,16 +10,16 @@
 #include <string>
 #include <vector>
 
-#include "semantic_vslam/core/common/arguments.h"
-#include "semantic_vslam/core/common/config_arguments.h"
+#include "core/common/arguments.h"
+#include "core/common/config_arguments.h"
+#include "core/common/progress.h"
+#include "core/io/image_file.h"
+#include "core/motion/flow_colour.h"
+#include "core/motion/motion_detector.h"
+#include "eval/mask_score.h"
+#include "eval/open_recording.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/common/progress.h"
-#include "semantic_vslam/core/eval/mask_score.h"
-#include "semantic_vslam/core/eval/open_recording.h"
-#include "semantic_vslam/core/eval/stage_timing.h"
-#include "semantic_vslam/core/io/image_file.h"
-#include "semantic_vslam/core/motion/flow_colour.h"
-#include "semantic_vslam/core/motion/motion_detector.h"
+#include "semantic_vslam/core/common/stage_timing.h"
 
 namespace semantic_vslam {
 namespace {

@@ -12,16 +12,16 @@
 #include <utility>
 #include <vector>
 
-#include "semantic_vslam/core/common/arguments.h"
-#include "semantic_vslam/core/common/progress.h"
-#include "semantic_vslam/core/common/rng.h"
-#include "semantic_vslam/core/eval/open_recording.h"
-#include "semantic_vslam/core/eval/stage_timing.h"
-#include "semantic_vslam/core/features/orb_extractor.h"
-#include "semantic_vslam/core/features/place_index.h"
-#include "semantic_vslam/core/io/json_writer.h"
-#include "semantic_vslam/core/io/stamp_association.h"
-#include "semantic_vslam/core/loop/loop_detector.h"
+#include "core/common/arguments.h"
+#include "core/common/progress.h"
+#include "core/common/rng.h"
+#include "core/features/orb_extractor.h"
+#include "core/features/place_index.h"
+#include "core/io/json_writer.h"
+#include "core/io/stamp_association.h"
+#include "core/loop/loop_detector.h"
+#include "eval/open_recording.h"
+#include "semantic_vslam/core/common/stage_timing.h"
 
 namespace {
 

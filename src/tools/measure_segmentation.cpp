@@ -11,16 +11,16 @@
 #include <string>
 #include <vector>
 
-#include "semantic_vslam/core/common/arguments.h"
-#include "semantic_vslam/core/common/config_arguments.h"
+#include "core/common/arguments.h"
+#include "core/common/config_arguments.h"
+#include "core/common/progress.h"
+#include "core/io/image_file.h"
+#include "core/segmentation/label_picture.h"
+#include "core/segmentation/onnx_segmenter.h"
+#include "eval/mask_score.h"
+#include "eval/open_recording.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/common/progress.h"
-#include "semantic_vslam/core/eval/mask_score.h"
-#include "semantic_vslam/core/eval/open_recording.h"
-#include "semantic_vslam/core/eval/stage_timing.h"
-#include "semantic_vslam/core/io/image_file.h"
-#include "semantic_vslam/core/segmentation/label_picture.h"
-#include "semantic_vslam/core/segmentation/onnx_segmenter.h"
+#include "semantic_vslam/core/common/stage_timing.h"
 
 namespace {
 

@@ -13,20 +13,20 @@
 #include <string>
 #include <thread>
 
+#include "core/common/arguments.h"
+#include "core/common/atomic_file.h"
+#include "core/common/config_arguments.h"
+#include "core/common/progress.h"
+#include "core/io/image_file.h"
 #include "core/pipeline/sparse_slam.h"
-#include "semantic_vslam/core/common/arguments.h"
-#include "semantic_vslam/core/runtime/bounded_queue.h"
-#include "semantic_vslam/core/common/config_arguments.h"
+#include "core/runtime/bounded_queue.h"
+#include "core/runtime/read_ahead.h"
+#include "eval/open_recording.h"
+#include "eval/run_recorder.h"
+#include "ros/bag_source.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/common/progress.h"
-#include "semantic_vslam/core/eval/open_recording.h"
-#include "semantic_vslam/core/io/atomic_file.h"
-#include "semantic_vslam/core/io/image_file.h"
-#include "semantic_vslam/core/io/read_ahead.h"
-#include "semantic_vslam/core/pipeline/run_recorder.h"
 #include "semantic_vslam/core/pipeline/pipeline.h"
 #include "semantic_vslam/core/runtime/pipeline_runner.h"
-#include "semantic_vslam/ros/bag_source.h"
 
 namespace {
 

@@ -7,13 +7,13 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
-#include "semantic_vslam/core/common/arguments.h"
+#include "core/common/arguments.h"
+#include "core/common/progress.h"
+#include "core/io/image_file.h"
+#include "ros/recording_bag.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/common/progress.h"
-#include "semantic_vslam/core/io/image_file.h"
 #include "semantic_vslam/core/io/tum_sequence.h"
-#include "semantic_vslam/ros/recording_bag.h"
 
 namespace {
 

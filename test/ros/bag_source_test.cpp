@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/bag_source.h"
+#include "ros/bag_source.h"
 
 #include <gtest/gtest.h>
 #include <sensor_msgs/CameraInfo.h>
@@ -11,10 +11,10 @@
 #include <cstring>
 #include <filesystem>
 
+#include "ros/conversions.h"
+#include "ros/recording_bag.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/ros/conversions.h"
-#include "semantic_vslam/ros/recording_bag.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/ros/conversions.h"
+#include "ros/conversions.h"
 
 #include <gtest/gtest.h>
 #include <sensor_msgs/image_encodings.h>

@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "semantic_vslam/ros/stamped_buffer.h"
-#include "semantic_vslam/core/runtime/worker.h"
+#include "core/runtime/worker.h"
+#include "ros/stamped_buffer.h"
 
 namespace semantic_vslam {
 namespace {

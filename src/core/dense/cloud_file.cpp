@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/dense/cloud_file.h"
+#include "core/dense/cloud_file.h"
 
 #include <cstring>
 
-#include "semantic_vslam/core/io/atomic_file.h"
+#include "core/common/atomic_file.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/dense/dense_mapper.h"
+#include "core/dense/dense_mapper.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <utility>
 
+#include "core/dense/cloud_file.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/dense/cloud_file.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/dense/keyframe_cloud.h"
+#include "core/dense/keyframe_cloud.h"
 
 #include <array>
 #include <cassert>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "label_votes.h"
-#include "voxel_key.h"
+#include "core/dense/label_votes.h"
+#include "core/dense/voxel_key.h"
 
 namespace semantic_vslam {
 namespace {

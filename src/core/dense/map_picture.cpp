@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/dense/map_picture.h"
+#include "core/dense/map_picture.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -10,9 +10,9 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "core/common/rng.h"
+#include "core/io/image_file.h"
 #include "semantic_vslam/core/common/config_fields.h"
-#include "semantic_vslam/core/common/rng.h"
-#include "semantic_vslam/core/io/image_file.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/dense/semantic_octree.h"
+#include "core/dense/semantic_octree.h"
 
 #include <octomap/ColorOcTree.h>
 
 #include <sstream>
 
-#include "semantic_vslam/core/io/atomic_file.h"
+#include "core/common/atomic_file.h"
 
 namespace semantic_vslam {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "semantic_vslam/core/dense/keyframe_cloud.h"
+#include "core/dense/keyframe_cloud.h"
 
 /// Packed voxel indices: the one number by which points are sorted into cubes. Private to dense/.
 namespace semantic_vslam {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/dense/voxel_map.h"
+#include "core/dense/voxel_map.h"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,9 @@
 #include <opencv2/imgproc.hpp>
 #include <unordered_map>
 
-#include "label_votes.h"
+#include "core/dense/label_votes.h"
+#include "core/dense/voxel_key.h"
 #include "semantic_vslam/core/common/config_fields.h"
-#include "voxel_key.h"
 
 namespace semantic_vslam {
 namespace {

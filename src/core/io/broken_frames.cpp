@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/io/broken_frames.h"
+#include "core/io/broken_frames.h"
 
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/io/image_file.h"
+#include "core/io/image_file.h"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
+#include "core/common/atomic_file.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/io/atomic_file.h"
 
 namespace semantic_vslam {
 namespace {

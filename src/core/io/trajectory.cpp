@@ -12,8 +12,8 @@
 #include <iterator>
 #include <sstream>
 
+#include "core/common/atomic_file.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/io/atomic_file.h"
 
 namespace semantic_vslam {
 namespace {

@@ -9,10 +9,10 @@
 #include <sstream>
 #include <utility>
 
+#include "core/io/image_file.h"
+#include "core/io/stamp_association.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/io/image_file.h"
-#include "semantic_vslam/core/io/stamp_association.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/io/tum_writer.h"
+#include "core/io/tum_writer.h"
 
 #include <unistd.h>
 
@@ -11,8 +11,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <system_error>
 
+#include "core/common/atomic_file.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/io/atomic_file.h"
 
 namespace semantic_vslam {
 namespace {

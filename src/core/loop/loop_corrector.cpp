@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/loop/loop_corrector.h"
+#include "core/loop/loop_corrector.h"
 
-#include "semantic_vslam/core/map/map_maintenance.h"
+#include "core/mapping/map_maintenance.h"
 
 namespace semantic_vslam {
 namespace {

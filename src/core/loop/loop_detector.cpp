@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/loop/loop_detector.h"
+#include "core/loop/loop_detector.h"
 
 #include <algorithm>
 #include <iterator>
 #include <utility>
 
+#include "core/features/matcher.h"
+#include "core/map/visibility.h"
 #include "semantic_vslam/core/common/config_fields.h"
-#include "semantic_vslam/core/features/matcher.h"
-#include "semantic_vslam/core/map/visibility.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/map/visibility.h"
+#include "core/map/visibility.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "semantic_vslam/core/optimization/reprojection.h"
+#include "core/camera/observation_model.h"
 
 namespace semantic_vslam {
 

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/motion/camera_motion.h"
+#include "core/motion/camera_motion.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
-#include "semantic_vslam/core/common/rng.h"
+#include "core/common/rng.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/motion/edge_aware_filter.h"
+#include "core/motion/edge_aware_filter.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/motion/flow_carry.h"
+#include "core/motion/flow_carry.h"
 
 #include <limits>
 
-#include "semantic_vslam/core/motion/work_grid.h"
+#include "core/motion/work_grid.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/motion/flow_colour.h"
+#include "core/motion/flow_colour.h"
 
 #include <algorithm>
 #include <array>

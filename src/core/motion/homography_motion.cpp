@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/motion/homography_motion.h"
+#include "core/motion/homography_motion.h"
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>

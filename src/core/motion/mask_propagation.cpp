@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/motion/mask_propagation.h"
+#include "core/motion/mask_propagation.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "semantic_vslam/core/segmentation/dynamic_objects.h"
+#include "core/labels/dynamic_objects.h"
 
 namespace semantic_vslam {
 namespace {

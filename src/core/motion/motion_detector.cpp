@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/motion/motion_detector.h"
+#include "core/motion/motion_detector.h"
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/motion/flow_carry.h"
+#include "core/motion/homography_motion.h"
+#include "core/motion/mask_cleanup.h"
+#include "core/motion/rigid_flow.h"
+#include "core/motion/surface_evidence.h"
 #include "semantic_vslam/core/common/config_fields.h"
-#include "semantic_vslam/core/motion/flow_carry.h"
-#include "semantic_vslam/core/motion/homography_motion.h"
-#include "semantic_vslam/core/motion/mask_cleanup.h"
-#include "semantic_vslam/core/motion/rigid_flow.h"
-#include "semantic_vslam/core/motion/surface_evidence.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/motion/motion_memory.h"
+#include "core/motion/motion_memory.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "semantic_vslam/core/motion/flow_carry.h"
+#include "core/motion/flow_carry.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/motion/surface_evidence.h"
+#include "core/motion/surface_evidence.h"
 
 #include <cmath>
 #include <limits>
 
-#include "semantic_vslam/core/motion/edge_aware_filter.h"
+#include "core/motion/edge_aware_filter.h"
 
 namespace semantic_vslam {
 namespace {

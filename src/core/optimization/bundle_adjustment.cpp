@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/optimization/bundle_adjustment.h"
+#include "core/optimization/bundle_adjustment.h"
 
 #include <ceres/ceres.h>
 
@@ -8,9 +8,9 @@
 #include <cmath>
 #include <memory>
 
-#include "abort_callback.h"
-#include "semantic_vslam/core/optimization/pose_optimizer.h"
-#include "semantic_vslam/core/optimization/reprojection_cost.h"
+#include "core/optimization/abort_callback.h"
+#include "core/optimization/pose_optimizer.h"
+#include "core/optimization/reprojection_cost.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/optimization/pose_graph.h"
+#include "core/optimization/pose_graph.h"
 
 #include <ceres/ceres.h>
 
@@ -9,8 +9,8 @@
 #include <set>
 #include <utility>
 
-#include "abort_callback.h"
-#include "semantic_vslam/core/optimization/relative_pose_cost.h"
+#include "core/optimization/abort_callback.h"
+#include "core/optimization/relative_pose_cost.h"
 
 namespace semantic_vslam {
 namespace {

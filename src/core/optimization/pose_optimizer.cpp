@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/optimization/pose_optimizer.h"
+#include "core/optimization/pose_optimizer.h"
 
 #include <ceres/tiny_solver.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/optimization/pose_ransac.h"
+#include "core/optimization/pose_ransac.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <opencv2/calib3d.hpp>
 #include <vector>
 
-#include "semantic_vslam/core/common/rng.h"
+#include "core/common/rng.h"
 
 namespace semantic_vslam {
 namespace {

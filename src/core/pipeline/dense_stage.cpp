@@ -7,9 +7,9 @@
 #include <set>
 #include <vector>
 
+#include "core/dense/waiting_keyframes.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/dense/waiting_keyframes.h"
 
 namespace semantic_vslam {
 

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "semantic_vslam/core/segmentation/segmentation_stage.h"
+#include "core/segmentation/segmentation_stage.h"
 
 namespace semantic_vslam {
 

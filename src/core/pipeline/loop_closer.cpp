@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
+#include "core/loop/loop_corrector.h"
+#include "core/loop/map_joiner.h"
+#include "core/optimization/bundle_adjustment.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/loop/loop_corrector.h"
-#include "semantic_vslam/core/loop/map_joiner.h"
-#include "semantic_vslam/core/optimization/bundle_adjustment.h"
 
 namespace semantic_vslam {
 namespace {

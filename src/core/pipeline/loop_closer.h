@@ -5,9 +5,9 @@
 #include <atomic>
 #include <vector>
 
+#include "core/loop/loop_detector.h"
 #include "core/pipeline/sparse_state.h"
 #include "semantic_vslam/core/common/stamp.h"
-#include "semantic_vslam/core/loop/loop_detector.h"
 #include "semantic_vslam/core/pipeline/sparse_slam_config.h"
 
 namespace semantic_vslam {
@@ -18,8 +18,8 @@ struct ClosedLoop {
   SE3 T_current_matched = SE3::Identity();  ///< as the old landmarks had it, before any optimisation
 };
 
-/// Closes loops in a map that tracking may work on meanwhile: looks and copies alone with the map, solves, applies alone
-/// with it again (Mur-Artal and Tardos 2015, section VII).
+/// Closes loops in a map that tracking may work on meanwhile: looks and copies alone with the map, solves, applies
+/// alone with it again (Mur-Artal and Tardos 2015, section VII).
 class LoopCloser {
  public:
   /// @param state  must outlive this object  @throws ConfigError

@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
+#include "core/common/stamp_order.h"
+#include "core/motion/motion_detector.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/common/stamp_order.h"
-#include "semantic_vslam/core/motion/motion_detector.h"
 
 namespace semantic_vslam {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "semantic_vslam/core/segmentation/dynamic_objects.h"
+#include "core/labels/dynamic_objects.h"
 
 namespace semantic_vslam {
 

@@ -5,10 +5,10 @@
 #include <functional>
 #include <utility>
 
+#include "core/map/map_file.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/io/map_file.h"
 
 namespace semantic_vslam {
 
@@ -187,8 +187,7 @@ void SparseSlam::adjustAround(KeyframeId keyframe, const Alone& alone, const std
   });
 }
 
-void SparseSlam::adjustAll(std::uint64_t frame, StageTimes& times, const Alone& alone,
-                           const std::atomic<bool>& abort) {
+void SparseSlam::adjustAll(std::uint64_t frame, StageTimes& times, const Alone& alone, const std::atomic<bool>& abort) {
   auto timer = times.scope("global_ba", frame);
   loops_.adjustAll(alone, abort);
 }

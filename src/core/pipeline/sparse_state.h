@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <functional>
 
-#include "semantic_vslam/core/features/place_index.h"
-#include "semantic_vslam/core/map/map.h"
-#include "semantic_vslam/core/tracking/tracker.h"
-#include "semantic_vslam/core/tracking/trajectory_log.h"
+#include "core/features/place_index.h"
+#include "core/map/map.h"
+#include "core/tracking/tracker.h"
+#include "core/tracking/trajectory_log.h"
 
 namespace semantic_vslam {
 

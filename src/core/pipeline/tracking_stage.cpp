@@ -5,10 +5,10 @@
 #include <string>
 #include <utility>
 
+#include "core/common/stamp_order.h"
 #include "core/pipeline/sparse_slam.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/common/stamp_order.h"
 
 namespace semantic_vslam {
 namespace {
@@ -85,8 +85,8 @@ bool TrackingStage::wantsLabels(const TrackingInput& input) {
 
 TrackingStage::Prepared TrackingStage::prepare(const TrackingInput& input) const {
   Prepared prepared;
-  prepared.removed = removedPixels(input.motion, input.labels ? input.labels->labels : cv::Mat1b(),
-                                   inside_->label_set, inside_->removal);
+  prepared.removed = removedPixels(input.motion, input.labels ? input.labels->labels : cv::Mat1b(), inside_->label_set,
+                                   inside_->removal);
   prepared.frame = std::make_shared<TrackedFrame>(inside_->slam.prepare(input.frame, prepared.removed));
   return prepared;
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/runtime/dense_runner.h"
+#include "core/runtime/dense_runner.h"
 
 #include <exception>
 #include <future>
@@ -12,7 +12,8 @@ DenseRunner::DenseRunner(DenseStage stage, const KeyframeInputsConfig& config, s
     : stage_(std::move(stage)),
       hooks_(std::move(hooks)),
       inputs_(config, kept_frames),
-      worker_(kQueue, QueuePolicy::kBlock, [this](const Task& task) { work(task); }, WorkerPriority::kKeyframes) {}
+      worker_(
+          kQueue, QueuePolicy::kBlock, [this](const Task& task) { work(task); }, WorkerPriority::kKeyframes) {}
 
 void DenseRunner::offer(PendingFrame frame) {
   inputs_.with([&](KeyframeInputs& inputs) { inputs.put(std::move(frame)); });

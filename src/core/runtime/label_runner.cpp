@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/runtime/label_runner.h"
+#include "core/runtime/label_runner.h"
 
 namespace semantic_vslam {
 namespace {
@@ -17,7 +17,8 @@ LabelRunner::LabelRunner(LabelStage stage, std::size_t kept_frames, Sink sink, s
       broke_down_(std::move(broke_down)),
       frames_(kept_frames),
       enabled_(stage_.enabled()),
-      worker_(1, QueuePolicy::kDropOldest, [this](const Job& job) { step(job); }, WorkerPriority::kKeyframes) {}
+      worker_(
+          1, QueuePolicy::kDropOldest, [this](const Job& job) { step(job); }, WorkerPriority::kKeyframes) {}
 
 void LabelRunner::offer(PendingFrame frame) {
   const Stamp stamp = frame.stamp;
@@ -39,9 +40,8 @@ void LabelRunner::step(const Job& job) {
   if (!enabled_) return;
   inbox_.deliver(stage_);
   if (!job.asked && !stage_.isDue(job.stamp)) return;
-  frames_.waitWhile([&](const auto& frames, double waited_s) {
-    return frames.worthWaitingS(job.stamp, kImagesWaitS - waited_s);
-  });
+  frames_.waitWhile(
+      [&](const auto& frames, double waited_s) { return frames.worthWaitingS(job.stamp, kImagesWaitS - waited_s); });
   const auto pending = frames_.with([&](const auto& frames) { return frames.find(job.stamp); });
   const StepClock clock;
   const std::optional<RgbdFrame> frame = pending ? pending->decode() : std::nullopt;

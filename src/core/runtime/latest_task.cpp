@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/runtime/latest_task.h"
+#include "core/runtime/latest_task.h"
 
 #include <utility>
 
-#include "semantic_vslam/core/runtime/thread_priority.h"
+#include "core/runtime/thread_priority.h"
 
 namespace semantic_vslam {
 

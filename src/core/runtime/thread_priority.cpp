@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/runtime/thread_priority.h"
+#include "core/runtime/thread_priority.h"
 
 #include <sys/resource.h>
 #include <sys/syscall.h>

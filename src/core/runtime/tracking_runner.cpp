@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/runtime/tracking_runner.h"
+#include "core/runtime/tracking_runner.h"
 
 #include <utility>
 
@@ -19,10 +19,11 @@ TrackingRunner::TrackingRunner(TrackingStage stage, const TrackingWaits& waits, 
       hooks_(std::move(hooks)),
       stage_(std::move(stage)),
       pending_upkeep_(0),
-      // It holds the map's lock for moments at low priority; at full priority tracking waits four times as long (95 % of
-      // frames), since motion, tracking and decoding need both of two cores.
-      upkeep_(kKeyframeQueue, QueuePolicy::kBlock, [this](const Upkeep& upkeep) { maintain(upkeep); },
-              WorkerPriority::kKeyframes),
+      // It holds the map's lock for moments at low priority; at full priority tracking waits four times as long (95 %
+      // of frames), since motion, tracking and decoding need both of two cores.
+      upkeep_(
+          kKeyframeQueue, QueuePolicy::kBlock, [this](const Upkeep& upkeep) { maintain(upkeep); },
+          WorkerPriority::kKeyframes),
       worker_(queue_size, QueuePolicy::kDropOldest, [this](const PendingFrame& frame) { step(frame); }) {}
 
 TrackingRunner::~TrackingRunner() {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/segmentation/depth_refinement.h"
+#include "core/segmentation/depth_refinement.h"
 
 #include <algorithm>
 #include <array>
@@ -10,10 +10,10 @@
 #include <numeric>
 #include <vector>
 
+#include "core/segmentation/block_grid.h"
+#include "core/segmentation/mask_bands.h"
+#include "core/segmentation/people_completion.h"
 #include "semantic_vslam/core/common/config_fields.h"
-#include "semantic_vslam/core/segmentation/block_grid.h"
-#include "semantic_vslam/core/segmentation/mask_bands.h"
-#include "semantic_vslam/core/segmentation/people_completion.h"
 
 namespace semantic_vslam {
 namespace {

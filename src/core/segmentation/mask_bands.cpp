@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/segmentation/mask_bands.h"
+#include "core/segmentation/mask_bands.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "semantic_vslam/core/camera/depth_quantum.h"
+#include "core/camera/depth_quantum.h"
 
 namespace semantic_vslam {
 namespace {

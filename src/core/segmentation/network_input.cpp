@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/segmentation/network_input.h"
+#include "core/segmentation/network_input.h"
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>

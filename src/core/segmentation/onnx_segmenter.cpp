@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/segmentation/onnx_segmenter.h"
+#include "core/segmentation/onnx_segmenter.h"
 
 #include <onnxruntime_cxx_api.h>
 
@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/segmentation/label_upsampling.h"
+#include "core/segmentation/model_sidecar.h"
+#include "core/segmentation/network_input.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/segmentation/label_upsampling.h"
-#include "semantic_vslam/core/segmentation/model_sidecar.h"
-#include "semantic_vslam/core/segmentation/network_input.h"
 
 namespace semantic_vslam {
 namespace {

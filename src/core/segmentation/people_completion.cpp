@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/segmentation/people_completion.h"
+#include "core/segmentation/people_completion.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
-#include "semantic_vslam/core/camera/depth_quantum.h"
-#include "semantic_vslam/core/segmentation/block_grid.h"
+#include "core/camera/depth_quantum.h"
+#include "core/segmentation/block_grid.h"
 
 namespace semantic_vslam {
 namespace {

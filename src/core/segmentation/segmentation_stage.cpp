@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/segmentation/segmentation_stage.h"
+#include "core/segmentation/segmentation_stage.h"
 
 #include <string>
 #include <utility>
 
+#include "core/segmentation/depth_refinement.h"
+#include "core/segmentation/onnx_segmenter.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/segmentation/depth_refinement.h"
-#include "semantic_vslam/core/segmentation/onnx_segmenter.h"
 
 namespace semantic_vslam {
 namespace {

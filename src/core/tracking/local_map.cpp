@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/tracking/local_map.h"
+#include "core/tracking/local_map.h"
 
 #include <algorithm>
 #include <set>
 #include <utility>
 
-#include "semantic_vslam/core/features/matcher.h"
-#include "semantic_vslam/core/map/visibility.h"
+#include "core/features/matcher.h"
+#include "core/map/visibility.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/dense/dense_mapper.h"
+#include "core/dense/dense_mapper.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "semantic_vslam/core/dense/keyframe_cloud.h"
+#include "core/dense/keyframe_cloud.h"
 
 /// Hand-made frames for the tests of dense/.
 namespace semantic_vslam {

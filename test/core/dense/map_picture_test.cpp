@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/dense/map_picture.h"
+#include "core/dense/map_picture.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <cstdio>
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/common/rng.h"
 #include "dense_scene.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/common/rng.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/features/orb_extractor.h"
+#include "core/features/orb_extractor.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "core/common/rng.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/common/rng.h"
 
 namespace semantic_vslam {
 namespace {

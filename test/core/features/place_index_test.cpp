@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/features/place_index.h"
+#include "core/features/place_index.h"
 
 #include <gtest/gtest.h>
 
+#include "core/common/rng.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/common/rng.h"
 
 namespace semantic_vslam {
 namespace {

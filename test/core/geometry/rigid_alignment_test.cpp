@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/geometry/rigid_alignment.h"
+#include "core/geometry/rigid_alignment.h"
 
 #include <gtest/gtest.h>
 
-#include "semantic_vslam/core/common/rng.h"
+#include "core/common/rng.h"
 
 namespace semantic_vslam {
 namespace {

@@ -10,8 +10,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/io/stamp_association.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/io/stamp_association.h"
 
 namespace semantic_vslam {
 namespace {

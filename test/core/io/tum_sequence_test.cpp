@@ -8,9 +8,9 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/io/image_file.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/io/image_file.h"
 
 namespace semantic_vslam {
 namespace {

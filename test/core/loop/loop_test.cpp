@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "../support/synthetic_map.h"
+#include "core/loop/loop_corrector.h"
+#include "core/loop/loop_detector.h"
+#include "core/optimization/bundle_adjustment.h"
+#include "core/support/synthetic_map.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/loop/loop_corrector.h"
-#include "semantic_vslam/core/loop/loop_detector.h"
-#include "semantic_vslam/core/optimization/bundle_adjustment.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/loop/map_joiner.h"
+#include "core/loop/map_joiner.h"
 
 #include <gtest/gtest.h>
 
-#include "../support/synthetic_map.h"
+#include "core/support/synthetic_map.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/map/map.h"
+#include "core/map/map.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "../tracking/point_scene.h"
-#include "semantic_vslam/core/map/map_maintenance.h"
-#include "semantic_vslam/core/map/visibility.h"
+#include "core/map/visibility.h"
+#include "core/mapping/map_maintenance.h"
+#include "core/support/point_scene.h"
 
 namespace semantic_vslam {
 namespace {

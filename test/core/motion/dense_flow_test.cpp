@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/motion/dense_flow.h"
+#include "core/motion/dense_flow.h"
 
 #include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
 
-#include "semantic_vslam/core/common/rng.h"
-#include "semantic_vslam/core/motion/flow_colour.h"
+#include "core/common/rng.h"
+#include "core/motion/flow_colour.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/motion/label_memory.h"
+#include "core/motion/label_memory.h"
 
 #include <gtest/gtest.h>
 
 #include <memory>
 
-#include "../support/quarter_vga.h"
+#include "core/support/quarter_vga.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/motion/mask_propagation.h"
+#include "core/motion/mask_propagation.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "semantic_vslam/core/motion/flow_carry.h"
+#include "core/motion/flow_carry.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/motion/motion_detector.h"
+#include "core/motion/motion_detector.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "../support/quarter_vga.h"
+#include "core/common/rng.h"
+#include "core/support/quarter_vga.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/common/rng.h"
 
 namespace semantic_vslam {
 namespace {

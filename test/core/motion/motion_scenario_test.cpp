@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <string>
 
-#include "../support/quarter_vga.h"
-#include "semantic_vslam/core/eval/mask_score.h"
-#include "semantic_vslam/core/eval/synthetic_room.h"
-#include "semantic_vslam/core/motion/motion_detector.h"
+#include "core/motion/motion_detector.h"
+#include "core/support/quarter_vga.h"
+#include "eval/mask_score.h"
+#include "eval/synthetic_room.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/motion/rigid_flow.h"
-#include "semantic_vslam/core/motion/surface_evidence.h"
+#include "core/motion/rigid_flow.h"
+#include "core/motion/surface_evidence.h"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "semantic_vslam/core/common/rng.h"
-#include "semantic_vslam/core/motion/depth_vote.h"
-#include "semantic_vslam/core/motion/homography_motion.h"
-#include "semantic_vslam/core/motion/mask_cleanup.h"
+#include "core/common/rng.h"
+#include "core/motion/depth_vote.h"
+#include "core/motion/homography_motion.h"
+#include "core/motion/mask_cleanup.h"
 
 namespace semantic_vslam {
 namespace {

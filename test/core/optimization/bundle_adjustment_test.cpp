@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/optimization/bundle_adjustment.h"
+#include "core/optimization/bundle_adjustment.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "../support/synthetic_map.h"
+#include "core/support/synthetic_map.h"
 
 namespace semantic_vslam {
 namespace {

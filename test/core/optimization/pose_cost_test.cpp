@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/optimization/pose_cost.h"
+#include "core/optimization/pose_cost.h"
 
 #include <gtest/gtest.h>
 
+#include "core/common/rng.h"
 #include "numeric_jacobian.h"
-#include "semantic_vslam/core/common/rng.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/optimization/pose_graph.h"
+#include "core/optimization/pose_graph.h"
 
 #include <gtest/gtest.h>
 
-#include "../support/synthetic_map.h"
+#include "core/optimization/relative_pose_cost.h"
+#include "core/support/synthetic_map.h"
 #include "numeric_jacobian.h"
-#include "semantic_vslam/core/optimization/relative_pose_cost.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/optimization/pose_optimizer.h"
+#include "core/optimization/pose_optimizer.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 
-#include "semantic_vslam/core/common/rng.h"
+#include "core/common/rng.h"
 
 namespace semantic_vslam {
 namespace {

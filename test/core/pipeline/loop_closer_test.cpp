@@ -10,8 +10,8 @@
 #include <thread>
 #include <utility>
 
-#include "../support/synthetic_map.h"
-#include "semantic_vslam/core/runtime/latest_task.h"
+#include "core/runtime/latest_task.h"
+#include "core/support/synthetic_map.h"
 
 namespace semantic_vslam {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "semantic_vslam/core/eval/scenario_source.h"
-#include "semantic_vslam/core/eval/trajectory_error.h"
+#include "eval/scenario_source.h"
+#include "eval/trajectory_error.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"
 
 namespace semantic_vslam {

@@ -4,9 +4,9 @@
 
 #include <set>
 
-#include "../support/quarter_vga.h"
-#include "semantic_vslam/core/eval/synthetic_room.h"
-#include "semantic_vslam/core/eval/trajectory_error.h"
+#include "core/support/quarter_vga.h"
+#include "eval/synthetic_room.h"
+#include "eval/trajectory_error.h"
 #include "semantic_vslam/core/pipeline/sparse_slam.h"
 
 namespace semantic_vslam {

@@ -12,9 +12,9 @@
 #include <thread>
 #include <vector>
 
-#include "../support/quarter_vga.h"
-#include "semantic_vslam/core/eval/mask_score.h"
-#include "semantic_vslam/core/eval/synthetic_room.h"
+#include "core/support/quarter_vga.h"
+#include "eval/mask_score.h"
+#include "eval/synthetic_room.h"
 
 namespace semantic_vslam {
 namespace {

@@ -14,11 +14,11 @@
 #include <string>
 #include <thread>
 
-#include "../support/quarter_vga.h"
+#include "core/support/quarter_vga.h"
+#include "eval/synthetic_room.h"
+#include "eval/trajectory_error.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/eval/synthetic_room.h"
-#include "semantic_vslam/core/eval/trajectory_error.h"
 
 namespace semantic_vslam {
 namespace {

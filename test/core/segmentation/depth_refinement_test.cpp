@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/segmentation/depth_refinement.h"
+#include "core/segmentation/depth_refinement.h"
 
 #include <opencv2/imgproc.hpp>
 
-#include "core/segmentation/fixtures.h"
+#include "core/support/fixtures.h"
 
 namespace semantic_vslam {
 namespace {

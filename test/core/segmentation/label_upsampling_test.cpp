@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/segmentation/label_upsampling.h"
+#include "core/segmentation/label_upsampling.h"
 
 #include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
 
-#include "semantic_vslam/core/common/rng.h"
+#include "core/common/rng.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/segmentation/people_completion.h"
+#include "core/segmentation/people_completion.h"
 
-#include "core/segmentation/fixtures.h"
+#include "core/support/fixtures.h"
 #include "semantic_vslam/core/segmentation/segmenter.h"
 
 namespace semantic_vslam {

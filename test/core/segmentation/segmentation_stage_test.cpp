@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/segmentation/segmentation_stage.h"
+#include "core/segmentation/segmentation_stage.h"
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "core/segmentation/fixtures.h"
+#include "core/support/fixtures.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/log.h"
 

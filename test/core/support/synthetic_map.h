@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "semantic_vslam/core/common/rng.h"
-#include "semantic_vslam/core/map/map.h"
+#include "core/common/rng.h"
+#include "core/map/map.h"
 
 namespace semantic_vslam {
 

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/tracking/tracker.h"
+#include "core/tracking/tracker.h"
 
 #include <gtest/gtest.h>
 
-#include "point_scene.h"
-#include "semantic_vslam/core/tracking/trajectory_log.h"
+#include "core/support/point_scene.h"
+#include "core/tracking/trajectory_log.h"
 
 namespace semantic_vslam {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "semantic_vslam/core/io/broken_frames.h"
+#include "core/io/broken_frames.h"
 #include "semantic_vslam/core/io/frame_source.h"
 
 namespace semantic_vslam {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "semantic_vslam/core/dense/dense_mapper.h"
+#include "core/dense/dense_mapper.h"
 #include "semantic_vslam/core/pipeline/keyframe_inputs.h"
 #include "semantic_vslam/core/pipeline/messages.h"
 #include "semantic_vslam/core/pipeline/removal.h"

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "semantic_vslam/core/camera/rgbd_frame.h"
+#include "semantic_vslam/core/common/label_set.h"
 #include "semantic_vslam/core/pipeline/messages.h"
-#include "semantic_vslam/core/segmentation/label_set.h"
 #include "semantic_vslam/core/segmentation/segmentation_config.h"
 #include "semantic_vslam/core/segmentation/segmenter.h"
 
@@ -28,8 +28,8 @@ class LabelStage {
   bool enabled() const;
   const LabelSet& labels() const;
 
-  /// Whether a frame is to be labelled that nobody asked for: a camera that stands still makes no keyframes, and who then
-  /// stops in front of it must not be forgotten. Not before there is a map: the first frames are asked for.
+  /// Whether a frame is to be labelled that nobody asked for: a camera that stands still makes no keyframes, and who
+  /// then stops in front of it must not be forgotten. Not before there is a map: the first frames are asked for.
   bool isDue(Stamp stamp) const;
   /// @return nothing without a network, when it fails, or if the frame has its labels already
   std::optional<FrameLabels> step(const RgbdFrame& frame);

@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/dense/keyframe_cloud.h"
 #include "semantic_vslam/core/common/ids.h"
 #include "semantic_vslam/core/common/stamp.h"
-#include "semantic_vslam/core/dense/keyframe_cloud.h"
 #include "semantic_vslam/core/io/trajectory.h"
 
 namespace semantic_vslam {
@@ -32,10 +32,10 @@ struct KeyframeNotice {
 
 /// The sparse map after a step or after its upkeep: one state of it, which nobody changes any more.
 struct MapSnapshot {
-  std::uint32_t map_id = 0;    ///< changes when another map takes the place of the last one: older keyframes are gone
-  std::uint64_t version = 0;   ///< grows with every change of the keyframes or their poses, within one map_id
-  std::vector<KeyframePose> poses;      ///< of the keyframes whose place in the world is known, in the order of ids
-  std::vector<KeyframeId> unplaced;     ///< keyframes of a new map that is not joined with the world yet
+  std::uint32_t map_id = 0;   ///< changes when another map takes the place of the last one: older keyframes are gone
+  std::uint64_t version = 0;  ///< grows with every change of the keyframes or their poses, within one map_id
+  std::vector<KeyframePose> poses;   ///< of the keyframes whose place in the world is known, in the order of ids
+  std::vector<KeyframeId> unplaced;  ///< keyframes of a new map that is not joined with the world yet
   std::size_t landmarks = 0, loops = 0;
 
   std::size_t keyframes() const { return poses.size() + unplaced.size(); }

@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "semantic_vslam/core/camera/rgbd_frame.h"
+#include "semantic_vslam/core/common/label_set.h"
 #include "semantic_vslam/core/motion/motion_config.h"
 #include "semantic_vslam/core/motion/motion_result.h"
 #include "semantic_vslam/core/pipeline/messages.h"
-#include "semantic_vslam/core/segmentation/label_set.h"
 
 namespace semantic_vslam {
 

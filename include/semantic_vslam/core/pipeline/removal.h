@@ -4,8 +4,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "semantic_vslam/core/common/label_set.h"
 #include "semantic_vslam/core/motion/motion_result.h"
-#include "semantic_vslam/core/segmentation/label_set.h"
 
 namespace semantic_vslam {
 

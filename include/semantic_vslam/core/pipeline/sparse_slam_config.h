@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "semantic_vslam/core/features/place_index.h"
-#include "semantic_vslam/core/loop/loop_corrector.h"
-#include "semantic_vslam/core/loop/loop_detector.h"
-#include "semantic_vslam/core/map/map_maintenance.h"
-#include "semantic_vslam/core/map/triangulation.h"
-#include "semantic_vslam/core/optimization/bundle_adjustment.h"
-#include "semantic_vslam/core/tracking/relocalizer.h"
-#include "semantic_vslam/core/tracking/tracker.h"
+#include "core/features/place_index.h"
+#include "core/loop/loop_corrector.h"
+#include "core/loop/loop_detector.h"
+#include "core/loop/relocalizer.h"
+#include "core/mapping/landmark_triangulation.h"
+#include "core/mapping/map_maintenance.h"
+#include "core/optimization/bundle_adjustment.h"
+#include "core/tracking/tracker.h"
 
 namespace semantic_vslam {
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "semantic_vslam/core/camera/rgbd_frame.h"
-#include "semantic_vslam/core/eval/stage_timing.h"
+#include "semantic_vslam/core/common/stage_timing.h"
 #include "semantic_vslam/core/motion/motion_result.h"
 #include "semantic_vslam/core/pipeline/messages.h"
 #include "semantic_vslam/core/pipeline/removal.h"
@@ -57,7 +57,7 @@ struct TrackOptions {
 /// What is worked out only for who looks at it.
 struct TrackingWishes {
   std::size_t path = 0;  ///< poses of the path at most
-  bool points = false;  ///< the landmarks, when there are new keyframes
+  bool points = false;   ///< the landmarks, when there are new keyframes
 };
 
 /// What became of a frame.

@@ -8,12 +8,12 @@
 #include <memory>
 #include <mutex>
 
+#include "core/runtime/dense_runner.h"
+#include "core/runtime/label_runner.h"
+#include "core/runtime/motion_runner.h"
+#include "core/runtime/tracking_runner.h"
 #include "semantic_vslam/core/pipeline/config.h"
 #include "semantic_vslam/core/pipeline/step_result.h"
-#include "semantic_vslam/core/runtime/dense_runner.h"
-#include "semantic_vslam/core/runtime/label_runner.h"
-#include "semantic_vslam/core/runtime/motion_runner.h"
-#include "semantic_vslam/core/runtime/tracking_runner.h"
 
 namespace semantic_vslam {
 
@@ -62,7 +62,7 @@ class PipelineRunner {
   std::size_t pushed_ = 0;
   std::atomic<std::size_t> tracked_{0};
   std::mutex error_mutex_;
-  std::exception_ptr error_;        // guarded by error_mutex_
+  std::exception_ptr error_;  // guarded by error_mutex_
   std::atomic<bool> failed_{false};
   // In the order in which they are joined, backwards: each gives to those above it.
   std::unique_ptr<DenseRunner> dense_;

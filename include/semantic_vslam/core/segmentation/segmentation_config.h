@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "core/segmentation/depth_refinement.h"
 #include "semantic_vslam/core/common/stamp.h"
-#include "semantic_vslam/core/segmentation/depth_refinement.h"
 
 namespace semantic_vslam {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 
-#include "semantic_vslam/core/segmentation/label_set.h"
+#include "semantic_vslam/core/common/label_set.h"
 
 namespace semantic_vslam {
 

@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/dense/free_space.h"
+#include "core/dense/keyframe_cloud.h"
+#include "core/dense/occupancy_grid.h"
+#include "core/dense/semantic_octree.h"
+#include "core/dense/voxel_map.h"
+
+namespace semantic_vslam {
+
+struct DenseConfig {
+  bool enabled = true;
+  double cloud_resolution_m = 0.01;
+  double reanchor_translation_m = 0.01;
+  double reanchor_rotation_deg = 0.5;
+  int rebuild_keyframes_per_call = 4;
+  int memory_mb = 256;
+  KeyframeCloudConfig keyframe;
+  VoxelMapConfig voxels;
+  OccupancyGridConfig grid;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.flag("enabled", enabled, "false: no dense map is made");
+    v.field("cloud_resolution_m", cloud_resolution_m, 0.002, 1.0,
+            "one point of the cloud for each cube of this edge; 1 cm is the depth noise of a Kinect at 2.3 m");
+    v.field("reanchor_translation_m", reanchor_translation_m, 0.0, 1.0,
+            "the map is rebuilt when a keyframe's pose has moved by more than this; a third of a voxel");
+    v.field("reanchor_rotation_deg", reanchor_rotation_deg, 0.0, 45.0,
+            "or turned by more than this; 0.5 deg are 1.7 cm at 2 m");
+    v.field("rebuild_keyframes_per_call", rebuild_keyframes_per_call, 1, 10000,
+            "keyframes that one call adds again during a rebuild; each takes about as long as a new one");
+    v.field("memory_mb", memory_mb, 8, 1 << 16,
+            "for the kept keyframes; above it the oldest clouds are thinned to half a voxel, then the oldest that the "
+            "sparse map dropped are forgotten; those that it holds stay, 0.4 MB each at 640x480 and 2 m");
+    v.group("keyframe", keyframe);
+    v.group("voxels", voxels);
+    v.group("grid", grid);
+  }
+};
+
+/// The dense map: keyframes in, labelled cloud, OctoMap and navigation grid out. Each keyframe's static surface is kept
+/// in its own camera frame. When optimisation or a loop moves poses, the map is built again from them, a few keyframes
+/// a call, while the old one is still served.
+///
+/// Memory: above memory_mb old clouds are thinned to half a voxel: the cloud gets coarser, the voxels keep all they
+/// had. When that is not enough, the oldest keyframes that the sparse map dropped are forgotten, with one warning:
+/// their points leave the cloud at once, the voxels that only they saw at the next rebuild. Those are few, since the
+/// sparse map drops a keyframe when three others see most of what it sees. So memory grows with the space seen, not
+/// with time.
+///
+/// Knows no thread: the caller serialises all calls. Not cheap, and const: cloud, grid, octree and saving.
+class DenseMapper {
+ public:
+  /// @throws ConfigError
+  DenseMapper(const DenseConfig& config, const LabelSet& labels);
+
+  /// Adds a keyframe; during a rebuild it is seen at once, where it lies among the old poses. Also does one slice of a
+  /// rebuild.
+  /// @param labels   indices into the label set, of the frame's size, or empty
+  /// @param dynamic  MotionResult::dynamic, of the frame's size, or empty
+  /// @return false, with nothing changed, if the images differ in size, the pose is not finite or the id is known.
+  bool add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
+           const SE3& T_world_camera);
+
+  /// Takes the poses of all keyframes as they stand. One that is held here but is not among them was culled: it moves
+  /// with the one nearest in time that is left. Starts a rebuild if any pose moved far enough, and does one slice of
+  /// it.
+  void updatePoses(const std::vector<KeyframePose>& poses);
+
+  /// A rebuild is under way: what is served has old poses.
+  bool busy() const { return next_.has_value(); }
+  /// Does one slice of a rebuild; nothing when not busy.
+  void work();
+  /// Does all of it. Call before saving.
+  void finish();
+
+  /// One point per cube of cloud_resolution_m on an occupied voxel: mean position and colour, label by the votes of all
+  /// keyframes. World frame, in a fixed order.
+  std::vector<LabelledPoint> cloud() const;
+  /// @param T_map_world  into a frame with z up
+  OccupancyGrid projectedMap(const SE3& T_map_world) const;
+  OctreeMessage binaryOctree() const { return semantic_vslam::binaryOctree(served_.voxels); }
+  OctreeMessage fullOctree() const { return semantic_vslam::fullOctree(served_.voxels); }
+
+  /// Each writes the file whole or not at all. @throws FileError naming path and cause.
+  void saveCloud(const std::string& path) const;
+  void saveOctomap(const std::string& path) const;
+
+  void clear();
+
+  const VoxelMap& voxelMap() const { return served_.voxels; }
+  const LabelSet& labels() const { return labels_; }
+  std::size_t voxels() const { return served_.voxels.size(); }  ///< known, in the served map
+  std::size_t keyframes() const { return keyframes_.size(); }   ///< held
+  std::size_t rebuilds() const { return rebuilds_; }            ///< completed
+  std::size_t memoryBytes() const;                              ///< of the kept clouds and the voxel maps
+
+ private:
+  struct Kept {
+    KeyframeCloud cloud;
+    FreeSpaceView view;
+    SE3 T_world_camera = SE3::Identity();  ///< newest known
+    bool thinned = false;                  ///< the cloud, to what the voxels need
+    bool culled = false;                   ///< the sparse map dropped it
+  };
+  /// A map with the poses it was built from.
+  struct Version {
+    VoxelMap voxels;
+    std::map<KeyframeId, SE3> T_world_camera;
+  };
+
+  void integrate(KeyframeId id, const SE3& T_world_camera, Version& version) const;
+  /// Where a keyframe lies among other poses than the newest: as it lies to the one of them that is nearest in time.
+  SE3 poseAmong(const std::map<KeyframeId, SE3>& T_world_camera, KeyframeId id) const;
+  bool stale() const;
+  void keepToBudget();
+  std::map<KeyframeId, Kept>::iterator forget(std::map<KeyframeId, Kept>::iterator keyframe);
+
+  DenseConfig config_;
+  LabelSet labels_;
+  std::map<KeyframeId, Kept> keyframes_;
+  std::size_t kept_bytes_ = 0;
+  bool warned_ = false;  ///< that memory_mb is used up
+  Version served_;
+  std::optional<Version> next_;
+  std::size_t rebuilds_ = 0;
+};
+
+}  // namespace semantic_vslam

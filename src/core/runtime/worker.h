@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <exception>
+#include <functional>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "core/runtime/bounded_queue.h"
+#include "core/runtime/thread_priority.h"
+#include "semantic_vslam/core/common/log.h"
+
+namespace semantic_vslam {
+
+/// kKeyframes: work that may take its time gives way to what every frame waits for, where cores are few.
+enum class WorkerPriority { kFrames, kKeyframes };
+
+/// One thread that works off a bounded queue, so that who pushes goes on at once. Dropped items are counted. An
+/// exception costs the item, never the process.
+template <class T>
+class Worker {
+ public:
+  using Handler = std::function<void(T)>;
+
+  /// Starts at once: construct it after everything that the handler uses.
+  Worker(std::size_t capacity, QueuePolicy policy, Handler handler, WorkerPriority priority = WorkerPriority::kFrames)
+      : queue_(capacity, policy), handler_(std::move(handler)), thread_([this, priority] { run(priority); }) {}
+
+  /// Drops what waits, finishes what runs.
+  ~Worker() {
+    queue_.clear();
+    finish();
+  }
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  /// @return false if nothing is taken any more
+  bool push(T item) { return queue_.push(std::move(item)); }
+  /// Finishes what waits and what runs. No push() after it.
+  void finish() {
+    queue_.close();
+    if (thread_.joinable()) thread_.join();
+  }
+  std::size_t waiting() const { return queue_.size(); }
+  /// Nothing waits and nothing runs; true for a moment too while an item is taken from the queue.
+  bool idle() const { return !running_ && queue_.size() == 0; }
+  QueueCounters counters() const { return queue_.counters(); }
+
+ private:
+  void run(WorkerPriority priority) {
+    if (priority == WorkerPriority::kKeyframes) lowerThreadPriority();
+    while (std::optional<T> item = queue_.pop()) {
+      running_ = true;
+      try {
+        handler_(std::move(*item));
+      } catch (const std::exception& error) {
+        logError(std::string("a frame or keyframe is lost: ") + error.what());
+      }
+      running_ = false;
+    }
+  }
+
+  BoundedQueue<T> queue_;
+  const Handler handler_;
+  std::atomic<bool> running_{false};
+  std::thread thread_;
+};
+
+}  // namespace semantic_vslam

@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <geometry_msgs/Pose.h>
+#include <geometry_msgs/Transform.h>
+#include <geometry_msgs/Twist.h>
+#include <nav_msgs/OccupancyGrid.h>
+#include <octomap_msgs/Octomap.h>
+#include <ros/time.h>
+#include <semantic_vslam/KeyframePoseArray.h>
+#include <semantic_vslam/KeyframeStamped.h>
+#include <semantic_vslam/LabelInfo.h>
+#include <semantic_vslam/MotionReport.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <boost/array.hpp>
+#include <boost/function.hpp>
+#include <cstdint>
+#include <functional>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "core/dense/keyframe_cloud.h"
+#include "core/dense/map_objects.h"
+#include "core/dense/occupancy_grid.h"
+#include "core/dense/semantic_octree.h"
+#include "semantic_vslam/core/camera/camera_model.h"
+#include "semantic_vslam/core/common/label_set.h"
+#include "semantic_vslam/core/common/stamp.h"
+#include "semantic_vslam/core/geometry/se3.h"
+#include "semantic_vslam/core/motion/motion_result.h"
+#include "semantic_vslam/core/pipeline/messages.h"
+
+/// Between the messages of ROS and the values of the core.
+namespace semantic_vslam {
+
+Stamp fromRos(const ros::Time& time);
+ros::Time toRos(Stamp stamp);
+
+SE3 fromRos(const geometry_msgs::Pose& pose);
+SE3 fromRos(const geometry_msgs::Transform& transform);
+geometry_msgs::Pose toPose(const SE3& transform);
+geometry_msgs::Transform toTransform(const SE3& transform);
+/// @param velocity  translation (m/s) first, rotation (rad/s) second
+geometry_msgs::Twist toTwist(const Vector6d& velocity);
+
+/// Rotation from the optical frame (x right, y down, z forward) to a body frame (x forward, y left, z up), REP 103.
+SE3 bodyFromOptical();
+
+/// Frame name without the leading slash of old drivers and bags, which tf2 refuses.
+std::string frameName(const std::string& frame_id);
+
+/// Covariance of a body's pose as geometry_msgs has it: row-major, position (m) first, then rotation about the axes of
+/// the fixed frame (rad).
+/// @param covariance  of the left perturbation of T_camera_world, translation first: the core's
+/// @param T_camera_body  where the body is; its lever arm turns rotation into position
+boost::array<double, 36> bodyCovariance(const Matrix6d& covariance, const SE3& T_map_camera, const SE3& T_camera_body);
+
+/// @param rectified  true: the images are rectified, so P holds and there is no distortion; false: K and D hold.
+/// @throws Error if the camera is uncalibrated or its distortion model is not plumb_bob.
+CameraIntrinsics fromRos(const sensor_msgs::CameraInfo& info, bool rectified);
+
+/// Copies a colour or gray image. @param message bgr8, rgb8, bgra8, rgba8 or mono8. @return 8UC3 BGR or 8UC1.
+/// @throws Error naming the encoding, or what is wrong with the image.
+cv::Mat colourFromRos(const sensor_msgs::ImageConstPtr& message);
+
+constexpr double kMetresPerMillimetre = 0.001;  ///< REP 118: 16UC1 depth is in millimetres
+
+/// Views a depth image: the result reads the message's memory and must not outlive it.
+/// @param message 32FC1 (metres) or 16UC1 (millimetres), REP 118.
+/// @throws Error naming the encoding, or what is wrong with the image.
+cv::Mat depthFromRos(const sensor_msgs::ImageConstPtr& message);
+
+/// Copies a mask or label image. @param message mono8 or 8UC1.
+/// @throws Error naming the encoding, or what is wrong with the image.
+cv::Mat1b maskFromRos(const sensor_msgs::ImageConstPtr& message);
+
+/// @param header  of the image it was derived from: stamp and frame_id stay. @param encoding mono8 or bgr8.
+sensor_msgs::ImagePtr toRos(const std_msgs::Header& header, const std::string& encoding, const cv::Mat& image);
+
+LabelSet fromRos(const LabelInfo& info);
+LabelInfo toRos(const LabelSet& labels);
+
+KeyframePose fromRos(const KeyframeStamped& message);
+KeyframeNotice noticeFromRos(const KeyframeStamped& message);
+/// All but the mask, which has a topic of its own. @throws Error if `moving` is no image
+MotionResult fromRos(const MotionReport& report);
+MotionReport toRos(const std_msgs::Header& header, const MotionResult& motion);
+/// A callback for a topic of label images; what is no such image is said in the log.
+boost::function<void(const sensor_msgs::ImageConstPtr&)> labelsFromRos(std::function<void(FrameLabels)> sink);
+MapSnapshot fromRos(const KeyframePoseArray& message);
+KeyframeStamped toRos(const KeyframePose& pose, const std::string& map_frame, std::uint32_t map_id);
+
+/// Unordered cloud with the fields x y z (float32, metres), rgb (packed, as rviz and PCL expect) and label (uint8).
+sensor_msgs::PointCloud2Ptr toRos(const std::vector<LabelledPoint>& points, const std_msgs::Header& header);
+
+/// A box and a text with the class for each object, for rviz; the first marker removes those of before.
+visualization_msgs::MarkerArray toRos(const std::vector<MapObject>& objects, const LabelSet& labels,
+                                      const std_msgs::Header& header);
+
+octomap_msgs::Octomap toRos(OctreeMessage octree, const std_msgs::Header& header);
+nav_msgs::OccupancyGrid toRos(const OccupancyGrid& grid, const std_msgs::Header& header);
+
+/// Unordered cloud with the fields x y z (float32, metres).
+sensor_msgs::PointCloud2Ptr toRos(const std::vector<Eigen::Vector3d>& points, const std_msgs::Header& header);
+
+}  // namespace semantic_vslam

@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <image_transport/image_transport.h>
+#include <image_transport/subscriber_filter.h>
+#include <message_filters/sync_policies/approximate_time.h>
+#include <message_filters/sync_policies/exact_time.h>
+#include <message_filters/synchronizer.h>
+#include <ros/node_handle.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "ros/log_throttle.h"
+
+namespace semantic_vslam {
+
+/// How a nodelet takes its images in.
+struct RgbdInputConfig {
+  std::string camera_file;
+  bool rectified = true;
+  std::string sync = "approximate";
+  double max_interval_s = 0.020;
+  int queue_size = 5;
+  double silent_after_s = 5.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.text("camera_file", camera_file,
+           "cfg/cameras/*.yaml that replaces camera_info, for drivers and bags without a calibration; empty: none");
+    v.flag("rectified", rectified,
+           "true: images are rectified, P of camera_info holds; false: raw images, K and D hold. A camera_file always "
+           "holds as it is");
+    v.choice("sync", sync, {"approximate", "exact"}, "exact: for drivers that stamp colour and depth equally");
+    v.field("max_interval_s", max_interval_s, 0.0, 0.1,
+            "s between colour and depth of a pair; in 20 ms a walker moves 2 cm, and 30 Hz streams always find a pair");
+    v.field("queue_size", queue_size, 1, 100, "pairs that wait for the worker; the oldest is dropped when full");
+    v.field("silent_after_s", silent_after_s, 0.5, 60.0, "s without a pair until the missing topics are named");
+  }
+};
+
+/// For stages that are told late which frames they need.
+struct KeptInputConfig {
+  int kept_frames = 30;
+  RgbdInputConfig input;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("kept_frames", kept_frames, 2, 300,
+            "newest images that wait for the tracker to name one of them; 30 are a second and 60 MB at 640x480");
+    v.group("input", input);
+  }
+};
+
+/// A pair as received. Converting it is the worker's job, so that the callbacks return at once.
+struct RgbdMessages {
+  std::uint32_t recording = 0;  ///< see StampOrder: grows when the clock of a recording goes back
+  std::uint64_t index = 0;      ///< counts the pairs received, so that it tells how many were dropped between two
+  sensor_msgs::ImageConstPtr rgb, depth;
+  sensor_msgs::CameraInfoConstPtr info;  ///< null where a camera file is used
+};
+
+/// Subscribes to `rgb/image_rect_color`, `depth_registered/image_rect` and `rgb/camera_info`, and pairs the images by
+/// stamp. The private parameters `image_transport` and `depth_image_transport` choose how images come in; raw unless
+/// set. An input that stays silent is named, as resolved, in the log and the diagnostics.
+class RgbdSubscriber {
+ public:
+  using Sink = std::function<void(const RgbdMessages&)>;
+
+  /// @param sink  called from the callback thread with each pair; must not block.
+  /// @throws ConfigError if there is no such image transport
+  RgbdSubscriber(ros::NodeHandle nh, ros::NodeHandle private_nh, const RgbdInputConfig& config, Sink sink);
+
+  /// @return resolved names of the inputs that are silent and what is wrong; empty while pairs come in.
+  std::string missing() const;
+
+ private:
+  using ExactPolicy = message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::Image>;
+  using ApproximatePolicy = message_filters::sync_policies::ApproximateTime<sensor_msgs::Image, sensor_msgs::Image>;
+
+  void synchronize();
+  void subscribe(ros::NodeHandle private_nh);
+  void onPair(const sensor_msgs::ImageConstPtr& rgb, const sensor_msgs::ImageConstPtr& depth);
+  void onInfo(const sensor_msgs::CameraInfoConstPtr& info);
+
+  bool clockWentBack(ros::Time image);
+
+  const RgbdInputConfig config_;
+  const int pairing_queue_;  // images of one stream that wait for their partner
+  const Sink sink_;
+  std::atomic<std::size_t> rgb_images_{0}, depth_images_{0}, pairs_{0};
+  mutable std::mutex mutex_;
+  sensor_msgs::CameraInfoConstPtr info_;  // guarded by mutex_
+  ros::SteadyTime last_pair_;             // guarded by mutex_
+  ros::Time last_clock_, last_image_;     // callback thread only; at the pair before, simulated time only
+  std::uint32_t recording_ = 0;           // callback thread only
+
+  // Last, so that callbacks stop before what they use is gone.
+  image_transport::ImageTransport transport_;
+  image_transport::SubscriberFilter rgb_subscriber_, depth_subscriber_;
+  ros::Subscriber info_subscriber_;
+  std::unique_ptr<message_filters::Synchronizer<ExactPolicy>> exact_;
+  std::unique_ptr<message_filters::Synchronizer<ApproximatePolicy>> approximate_;
+  LogThrottle throttle_;  // callback thread only
+  ros::SteadyTimer silence_timer_;
+};
+
+}  // namespace semantic_vslam

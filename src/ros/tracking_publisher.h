@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nav_msgs/Odometry.h>
+#include <ros/node_handle.h>
+#include <std_msgs/Header.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "core/runtime/step_clock.h"
+#include "ros/tf_publisher.h"
+#include "semantic_vslam/core/io/trajectory.h"
+#include "semantic_vslam/core/pipeline/tracking_stage.h"
+
+namespace semantic_vslam {
+
+/// Where the body is in the map when tracking begins.
+struct InitialPoseConfig {
+  double x = 0, y = 0, z = 0, roll = 0, pitch = 0, yaw = 0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("x", x, -1e6, 1e6, "m");
+    v.field("y", y, -1e6, 1e6, "m");
+    v.field("z", z, -1e6, 1e6, "m; the camera's height if there is no base_frame and z = 0 is to be the floor");
+    v.field("roll", roll, -M_PI, M_PI, "rad, about x (forward)");
+    v.field("pitch", pitch, -M_PI, M_PI, "rad, about y (left); positive looks down");
+    v.field("yaw", yaw, -M_PI, M_PI, "rad, about z (up)");
+  }
+
+  SE3 transform() const;
+};
+
+/// Publishes what tracking finds: tf and tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points}. All
+/// of it comes from what a step gives; the map itself is never asked.
+class TrackingPublisher {
+ public:
+  /// @param first_map_id  of the stage
+  /// @param path_period_s  between publications of the path, in the images' time
+  /// @throws ConfigError, see TfPublisher
+  TrackingPublisher(ros::NodeHandle nh, const FramesConfig& frames, const InitialPoseConfig& initial_pose,
+                    double path_period_s, std::uint32_t first_map_id);
+
+  /// See TfPublisher; without it a frame cannot be used. May wait; not serialised with the other calls.
+  std::optional<BodyTransforms> lookUp(const std_msgs::Header& image) { return tf_.lookUp(image); }
+
+  /// What somebody looks at and is due now.
+  TrackingWishes wishes(Stamp now) const;
+  /// Publishes a frame. The first one of a new map puts its body at the initial pose.
+  void publish(const std_msgs::Header& image, const BodyTransforms& body, const TrackingInput& input,
+               const TrackingOutput& output, StepTime time);
+  /// Publishes keyframes that are new or have moved. One call at a time, not during publish().
+  void publishMap(const MapSnapshot& map);
+  /// The next map lies as the present one does, not so that its first frame is at the initial pose.
+  void keepAnchor() { keep_anchor_ = true; }
+
+  /// @param poses  of the optical frame in the world  @return the same in the map; empty where no frame has a pose yet
+  std::vector<TimedPose> inMap(std::vector<TimedPose> poses) const;
+  const TfPublisher& tf() const { return tf_; }
+
+ private:
+  void follow(const MapSnapshot& map);
+  void anchorMap(const SE3& T_camera_body);
+  void publishPose(const std_msgs::Header& image, const BodyTransforms& body, const TrackingEstimate& tracking);
+  void publishKeyframes(const std_msgs::Header& image, const TrackingOutput& output);
+  void publishPath(const std_msgs::Header& image, std::vector<TimedPose> path);
+  void publishState(const std_msgs::Header& image, const TrackingInput& input, const TrackingOutput& output,
+                    StepTime time);
+
+  const FramesConfig frames_;
+  const InitialPoseConfig initial_pose_;
+  const double path_period_s_;
+  TfPublisher tf_;
+  std::uint32_t map_id_;
+  std::atomic<bool> keep_anchor_{false};
+  mutable std::mutex mutex_;
+  std::optional<SE3> T_map_world_;           // written by the publishing thread under mutex_; others read it so
+  std::optional<MapSnapshot> not_anchored_;  ///< to be published when the map has its place
+  Stamp newest_image_, last_path_;
+  ros::Publisher odometry_, pose_, path_, state_, keyframe_, keyframe_poses_, points_;
+};
+
+}  // namespace semantic_vslam

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 # SPDX-License-Identifier: BSD-3-Clause
-# Target check_headers: compiles every header of the core by itself, so that each includes what it uses. Run by ./run lint.
-file(GLOB_RECURSE core_headers RELATIVE ${PROJECT_SOURCE_DIR}/include CONFIGURE_DEPENDS include/semantic_vslam/core/*.h)
+# Target check_headers: compiles every header of core and eval by itself, so that each includes what it uses. Run by ./run lint.
+file(GLOB_RECURSE public_headers RELATIVE ${PROJECT_SOURCE_DIR}/include CONFIGURE_DEPENDS include/semantic_vslam/*.h)
+file(GLOB_RECURSE private_headers RELATIVE ${PROJECT_SOURCE_DIR}/src CONFIGURE_DEPENDS src/core/*.h src/eval/*.h)
 set(header_sources)
-foreach(header ${core_headers})
+foreach(header ${public_headers} ${private_headers})
   set(header_source ${PROJECT_BINARY_DIR}/check_headers/${header}.cpp)
   if(NOT EXISTS ${header_source})
     file(WRITE ${header_source} "#include \"${header}\"\n")

@@ -30,6 +30,7 @@
 #include "semantic_vslam/core/common/label_set.h"
 #include "semantic_vslam/core/common/stamp.h"
 #include "semantic_vslam/core/geometry/se3.h"
+#include "semantic_vslam/core/map/keyframe_pose.h"
 
 /// Between the messages of ROS and the values of the core.
 namespace semantic_vslam {

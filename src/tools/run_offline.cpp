@@ -24,6 +24,7 @@
 #include "eval/run_recorder.h"
 #include "ros/bag_source.h"
 #include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/io/trajectory.h"
 #include "semantic_vslam/core/pipeline/slam_runner.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"
 

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "core/dense/dense_mapper.h"
+#include "semantic_vslam/core/dense/dense_config.h"
 #include "semantic_vslam/core/motion/motion_config.h"
-#include "semantic_vslam/core/pipeline/sparse_slam.h"
+#include "semantic_vslam/core/pipeline/sparse_slam_config.h"
 #include "semantic_vslam/core/segmentation/segmentation_config.h"
 
 namespace semantic_vslam {

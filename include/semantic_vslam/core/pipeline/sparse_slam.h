@@ -12,12 +12,12 @@
 #include <thread>
 #include <vector>
 
-#include "core/dense/keyframe_cloud.h"
 #include "core/loop/map_joiner.h"
 #include "core/runtime/bounded_queue.h"
 #include "core/runtime/latest_task.h"
 #include "semantic_vslam/core/common/stage_timing.h"
-#include "semantic_vslam/core/io/trajectory.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
+#include "semantic_vslam/core/map/keyframe_pose.h"
 #include "semantic_vslam/core/pipeline/loop_closer.h"
 #include "semantic_vslam/core/pipeline/shared_map.h"
 #include "semantic_vslam/core/pipeline/sparse_slam_config.h"

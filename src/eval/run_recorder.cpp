@@ -14,6 +14,7 @@
 #include "eval/overview_picture.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
+#include "semantic_vslam/core/io/trajectory.h"
 
 namespace semantic_vslam {
 namespace {

@@ -33,6 +33,7 @@
 #include "semantic_vslam/core/common/label_set.h"
 #include "semantic_vslam/core/common/stamp.h"
 #include "semantic_vslam/core/geometry/se3.h"
+#include "semantic_vslam/core/map/keyframe_pose.h"
 #include "semantic_vslam/core/motion/motion_result.h"
 #include "semantic_vslam/core/pipeline/messages.h"
 

@@ -23,6 +23,7 @@
 #include "eval/run_report.h"
 #include "eval/trajectory_error.h"
 #include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/io/trajectory.h"
 #include "semantic_vslam/core/pipeline/pipeline.h"
 
 namespace {

@@ -25,6 +25,7 @@
 #include "eval/run_recorder.h"
 #include "ros/bag_source.h"
 #include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/io/trajectory.h"
 #include "semantic_vslam/core/pipeline/pipeline.h"
 #include "semantic_vslam/core/runtime/pipeline_runner.h"
 

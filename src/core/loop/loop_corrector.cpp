@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/loop/loop_corrector.h"
 
-#include "core/mapping/map_maintenance.h"
+#include "core/map/fuse_landmarks.h"
 
 namespace semantic_vslam {
 namespace {

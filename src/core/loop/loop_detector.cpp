@@ -107,7 +107,7 @@ Seen lookFor(const Map& map, const std::vector<LandmarkId>& landmarks, const Key
 
 }  // namespace
 
-LoopDetector::LoopDetector(const LoopDetectorConfig& config, const FrameTrackerConfig& tracker)
+LoopDetector::LoopDetector(const LoopDetectorConfig& config, const FramePoseConfig& tracker)
     : config_(config), tracker_(tracker) {
   validateConfig(config_);
   validateConfig(tracker_);

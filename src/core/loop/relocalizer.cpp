@@ -31,7 +31,7 @@ int matchByDescriptor(const Map& map, const Keyframe& keyframe, const Relocalize
   return static_cast<int>(matches.size());
 }
 
-PoseProblem makeProblem(const Map& map, const TrackedFrame& frame, const FrameTrackerConfig& tracker) {
+PoseProblem makeProblem(const Map& map, const TrackedFrame& frame, const FramePoseConfig& tracker) {
   PoseProblem problem;
   problem.camera = frame.camera->intrinsics();
   problem.sensor = tracker.sensor;
@@ -47,7 +47,7 @@ PoseProblem makeProblem(const Map& map, const TrackedFrame& frame, const FrameTr
 
 /// Looks for landmarks that the frame has no match of yet, at its present pose.
 void addGuidedMatches(const Map& map, const std::vector<LandmarkId>& landmarks, double radius_px,
-                      const FrameTrackerConfig& tracker, TrackedFrame& frame) {
+                      const FramePoseConfig& tracker, TrackedFrame& frame) {
   const std::set<LandmarkId> known(frame.landmarks.begin(), frame.landmarks.end());
   std::vector<GuidedQuery> queries;
   std::vector<LandmarkId> landmark_of_query;
@@ -118,7 +118,7 @@ std::vector<LandmarkId> landmarksSeenBy(const Map& map, const std::vector<Keyfra
 }
 
 std::optional<RelocalisationResult> localizeAt(const Map& map, const std::vector<KeyframeId>& group,
-                                               const TrackedFrame& frame, const FrameTrackerConfig& tracker,
+                                               const TrackedFrame& frame, const FramePoseConfig& tracker,
                                                const RelocalizerConfig& config) {
   if (group.empty() || map.keyframe(group.front()) == nullptr) return std::nullopt;
   TrackedFrame working = frame;
@@ -143,7 +143,7 @@ std::optional<RelocalisationResult> localizeAt(const Map& map, const std::vector
 }
 
 std::optional<RelocalisationResult> relocalise(const Map& map, const PlaceIndex& index, const TrackedFrame& frame,
-                                               const FrameTrackerConfig& tracker, const RelocalizerConfig& config,
+                                               const FramePoseConfig& tracker, const RelocalizerConfig& config,
                                                const std::function<bool(KeyframeId)>& among) {
   std::vector<RelocalisationResult> found;
   std::set<KeyframeId> explained;  // shown by a pose found already

@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "core/optimization/bundle_adjustment.h"
+#include "core/mapping/ba_selection.h"
 
 namespace semantic_vslam {
 namespace {

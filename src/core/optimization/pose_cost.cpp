@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/optimization/huber.h"
+
 namespace semantic_vslam {
 namespace {
 

@@ -7,6 +7,7 @@
 #include <set>
 #include <vector>
 
+#include "core/dense/dense_mapper.h"
 #include "core/dense/waiting_keyframes.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/log.h"

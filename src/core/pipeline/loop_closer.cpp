@@ -7,6 +7,7 @@
 
 #include "core/loop/loop_corrector.h"
 #include "core/loop/map_joiner.h"
+#include "core/mapping/ba_selection.h"
 #include "core/optimization/bundle_adjustment.h"
 #include "semantic_vslam/core/common/log.h"
 

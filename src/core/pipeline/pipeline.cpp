@@ -5,6 +5,7 @@
 #include <atomic>
 #include <utility>
 
+#include "core/dense/dense_mapper.h"
 #include "semantic_vslam/core/common/config_fields.h"
 
 namespace semantic_vslam {

@@ -5,7 +5,12 @@
 #include <functional>
 #include <utility>
 
+#include "core/loop/loop_corrector.h"
 #include "core/map/map_file.h"
+#include "core/mapping/ba_selection.h"
+#include "core/mapping/landmark_triangulation.h"
+#include "core/mapping/map_maintenance.h"
+#include "core/optimization/bundle_adjustment.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"

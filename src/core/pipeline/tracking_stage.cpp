@@ -32,11 +32,14 @@ struct TrackingStage::Inside {
     has_candidate = false;
     first_wanted.reset();
   }
-  /// Whether nobody knows where people are in a frame, though the start needs to.
-  bool lacksLabels(const TrackingInput& input) const {
-    if (!input.network_runs || input.labels || slam.keyframeCount() > 0) return false;
+  /// Whether somebody has told where people are in a frame.
+  static bool hasLabels(const TrackingInput& input) {
     const std::optional<Stamp>& carried = input.motion.labels;
-    if (carried && secondsBetween(*carried, input.frame.stamp) < kFirstLabelsHoldS) return false;
+    return input.labels || (carried && secondsBetween(*carried, input.frame.stamp) < kFirstLabelsHoldS);
+  }
+  /// Whether nobody has, though the start needs it.
+  bool lacksLabels(const TrackingInput& input) const {
+    if (!input.network_runs || slam.keyframeCount() > 0 || hasLabels(input)) return false;
     return !first_wanted || secondsBetween(*first_wanted, input.frame.stamp) < waits.init_wait_s;
   }
 
@@ -97,7 +100,7 @@ TrackingOutput TrackingStage::track(const TrackingInput& input, const Prepared& 
   const SparseStep step = inside_->slam.track(*prepared.frame, options);
   if (step.new_world) ++inside_->map_id;
   inside_->has_candidate = step.tracking.state == TrackingState::kInitialising;
-  if (!inside_->has_candidate) inside_->first_wanted.reset();
+  if (Inside::hasLabels(input) || !inside_->has_candidate) inside_->first_wanted.reset();
   if (inside_->has_candidate && had_candidate && !may_be_k1) {
     inside_->slam.reset();  // k2 did not fit and may show people: it must not become k1 in its turn
     inside_->has_candidate = false;

@@ -47,6 +47,8 @@ class DenseRunner {
   void finish();
   const DenseStage& stage() const { return stage_; }
 
+  /// Returns when nothing waits or is in work.
+  void settle() { worker_.settle(); }
   QueueCounters counters() const { return worker_.counters(); }
   std::size_t waiting() const { return worker_.waiting(); }
   KeyframeInputs::Counts counts() const;

@@ -42,6 +42,8 @@ class LabelRunner {
 
   bool enabled() const { return enabled_; }
   const LabelSet& labels() const { return labels_; }
+  /// Returns when nothing waits or is in work.
+  void settle() { worker_.settle(); }
   QueueCounters counters() const { return worker_.counters(); }
   std::size_t withoutImages() const { return without_images_; }
 

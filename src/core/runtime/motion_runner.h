@@ -31,6 +31,8 @@ class MotionRunner {
   /// Works off the frames that wait. No push() after it.
   void finish() { worker_.finish(); }
 
+  /// Returns when no frame waits or is in work.
+  void settle() { worker_.settle(); }
   QueueCounters counters() const { return worker_.counters(); }
   std::size_t labelsTaken() const { return labels_taken_; }
   std::size_t labelsTooLate() const { return labels_too_late_; }

@@ -62,6 +62,12 @@ class TrackingRunner {
   const TrackingStage& stage() const { return stage_; }
 
   StageTimes& times() { return times_; }
+  const StageTimes& times() const { return times_; }
+  /// Returns when no frame and no upkeep waits or is in work, but for global adjustment.
+  void settle() {
+    worker_.settle();
+    upkeep_.settle();
+  }
   QueueCounters counters() const { return worker_.counters(); }
   std::size_t waiting() const { return worker_.waiting(); }
   Counts counts() const;

@@ -3,8 +3,11 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
+#include <cstddef>
 #include <exception>
 #include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -45,28 +48,41 @@ class Worker {
     queue_.close();
     if (thread_.joinable()) thread_.join();
   }
+  /// Returns when nothing waits and nothing runs.
+  void settle() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [this] { return idle(); });
+  }
   std::size_t waiting() const { return queue_.size(); }
-  /// Nothing waits and nothing runs; true for a moment too while an item is taken from the queue.
-  bool idle() const { return !running_ && queue_.size() == 0; }
+  /// Nothing waits and nothing runs.
+  bool idle() const {
+    const QueueCounters counters = queue_.counters();
+    return counters.pushed - counters.dropped == done_;
+  }
   QueueCounters counters() const { return queue_.counters(); }
 
  private:
   void run(WorkerPriority priority) {
     if (priority == WorkerPriority::kKeyframes) lowerThreadPriority();
     while (std::optional<T> item = queue_.pop()) {
-      running_ = true;
       try {
         handler_(std::move(*item));
       } catch (const std::exception& error) {
         logError(std::string("a frame or keyframe is lost: ") + error.what());
       }
-      running_ = false;
+      {
+        std::lock_guard<std::mutex> lock(mutex_);
+        ++done_;
+      }
+      changed_.notify_all();
     }
   }
 
   BoundedQueue<T> queue_;
   const Handler handler_;
-  std::atomic<bool> running_{false};
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::atomic<std::size_t> done_{0};
   std::thread thread_;
 };
 

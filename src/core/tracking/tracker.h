@@ -6,41 +6,14 @@
 
 #include "core/features/orb_extractor.h"
 #include "core/map/map.h"
-#include "core/mapping/map_maintenance.h"
 #include "core/tracking/frame_tracker.h"
 #include "core/tracking/initializer.h"
 #include "core/tracking/keyframe_policy.h"
 #include "core/tracking/local_map.h"
+#include "semantic_vslam/core/tracking/tracking_config.h"
 #include "semantic_vslam/core/tracking/tracking_state.h"
 
 namespace semantic_vslam {
-
-struct TrackerConfig {
-  int min_inliers = 30;
-  double recently_lost_s = 1.0;
-  double new_map_after_s = 5.0;
-  OrbConfig orb;
-  InitializerConfig initializer;
-  FrameTrackerConfig frame;
-  LocalMapConfig local_map;
-  KeyframePolicyConfig keyframe;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("min_inliers", min_inliers, 10, 500, "landmarks of the map that must fit for a frame to count as tracked");
-    v.field("recently_lost_s", recently_lost_s, 0.0, 10.0,
-            "how long the motion model alone carries the pose before the state is LOST; a hand-held camera keeps its "
-            "velocity for about a second at best");
-    v.field("new_map_after_s", new_map_after_s, 0.0, 1e6,
-            "after this long without finding its place the camera begins a new map, which is joined with the old one "
-            "when a known place is seen again; covered lenses and passers-by are mostly gone by then");
-    v.group("orb", orb);
-    v.group("initializer", initializer);
-    v.group("frame", frame);
-    v.group("local_map", local_map);
-    v.group("keyframe", keyframe);
-  }
-};
 
 /// The same for who keeps the map.
 struct TrackingResult : TrackingEstimate {

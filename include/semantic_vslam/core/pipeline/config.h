@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "core/dense/dense_mapper.h"
+#include "semantic_vslam/core/dense/dense_config.h"
 #include "semantic_vslam/core/motion/motion_config.h"
 #include "semantic_vslam/core/pipeline/keyframe_inputs.h"
 #include "semantic_vslam/core/pipeline/removal.h"

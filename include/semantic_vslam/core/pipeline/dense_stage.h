@@ -6,12 +6,14 @@
 #include <cstdint>
 #include <memory>
 
-#include "core/dense/dense_mapper.h"
+#include "semantic_vslam/core/dense/dense_config.h"
 #include "semantic_vslam/core/pipeline/keyframe_inputs.h"
 #include "semantic_vslam/core/pipeline/messages.h"
 #include "semantic_vslam/core/pipeline/removal.h"
 
 namespace semantic_vslam {
+
+class DenseMapper;
 
 /// Stage 4: the labelled map without people, which follows the keyframes' poses. Knows no thread.
 class DenseStage {

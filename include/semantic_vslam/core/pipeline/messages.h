@@ -8,10 +8,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/dense/keyframe_cloud.h"
+#include "semantic_vslam/core/map/keyframe_pose.h"
 #include "semantic_vslam/core/common/ids.h"
 #include "semantic_vslam/core/common/stamp.h"
-#include "semantic_vslam/core/io/trajectory.h"
 
 namespace semantic_vslam {
 

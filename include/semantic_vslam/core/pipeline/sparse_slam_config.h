@@ -2,14 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "core/features/place_index.h"
-#include "core/loop/loop_corrector.h"
-#include "core/loop/loop_detector.h"
-#include "core/loop/relocalizer.h"
-#include "core/mapping/landmark_triangulation.h"
-#include "core/mapping/map_maintenance.h"
-#include "core/optimization/bundle_adjustment.h"
-#include "core/tracking/tracker.h"
+#include "semantic_vslam/core/features/features_config.h"
+#include "semantic_vslam/core/loop/loop_config.h"
+#include "semantic_vslam/core/mapping/mapping_config.h"
+#include "semantic_vslam/core/optimization/optimization_config.h"
+#include "semantic_vslam/core/tracking/tracking_config.h"
 
 namespace semantic_vslam {
 

@@ -14,6 +14,7 @@
 
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/common/stage_timing.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/motion/motion_result.h"
 #include "semantic_vslam/core/pipeline/messages.h"
 #include "semantic_vslam/core/pipeline/removal.h"

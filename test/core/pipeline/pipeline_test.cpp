@@ -1,19 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/pipeline/slam_system.h"
+#include "semantic_vslam/core/pipeline/pipeline.h"
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <memory>
 #include <set>
 #include <string>
-#include <thread>
 
+#include "core/dense/dense_mapper.h"
+#include "core/pipeline/sparse_slam.h"
 #include "core/support/quarter_vga.h"
 #include "eval/synthetic_room.h"
 #include "eval/trajectory_error.h"
@@ -45,10 +44,10 @@ struct Outcome {
   std::size_t keyframes = 0;
 };
 
-Outcome run(const SystemConfig& config, SlamSystem::Mode mode) {
-  SlamSystem system(config, mode);
+Outcome run(const SystemConfig& config) {
+  Pipeline system(config);
   Outcome out;
-  for (const SyntheticFrame& synthetic : walkingFrames()) out.posed += system.step(synthetic.frame).posed ? 1 : 0;
+  for (const SyntheticFrame& synthetic : walkingFrames()) out.posed += system.step(synthetic.frame).posed() ? 1 : 0;
   system.finish();
   out.trajectory = system.slam().trajectory();
   out.cloud = system.dense().cloud();
@@ -69,8 +68,8 @@ std::string readFile(const std::string& path) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-TEST(SlamSystem, FollowsTheCameraThroughPeople) {
-  const Outcome result = run(SystemConfig(), SlamSystem::Mode::kSynchronous);
+TEST(Pipeline, FollowsTheCameraThroughPeople) {
+  const Outcome result = run(SystemConfig());
   EXPECT_GE(result.posed, 58) << "all but the frame or two of the initialisation";
   EXPECT_EQ(result.trajectory.size(), static_cast<std::size_t>(result.posed) + 1) << "k1 gets its pose afterwards";
   EXPECT_LT(trajectoryError(result), 0.025);
@@ -78,9 +77,9 @@ TEST(SlamSystem, FollowsTheCameraThroughPeople) {
   EXPECT_GT(result.cloud.size(), 10000U);
 }
 
-TEST(SlamSystem, TheSameInputGivesTheSameBytes) {
-  const Outcome a = run(SystemConfig(), SlamSystem::Mode::kSynchronous),
-                b = run(SystemConfig(), SlamSystem::Mode::kSynchronous);
+TEST(Pipeline, TheSameInputGivesTheSameBytes) {
+  const Outcome a = run(SystemConfig()),
+                b = run(SystemConfig());
   ASSERT_EQ(a.trajectory.size(), b.trajectory.size());
   for (std::size_t i = 0; i < a.trajectory.size(); ++i) {
     EXPECT_EQ(a.trajectory[i].T_world_camera.matrix(), b.trajectory[i].T_world_camera.matrix()) << i;
@@ -90,51 +89,6 @@ TEST(SlamSystem, TheSameInputGivesTheSameBytes) {
     ASSERT_EQ(a.cloud[i].xyz_m, b.cloud[i].xyz_m);
     ASSERT_EQ(a.cloud[i].bgr, b.cloud[i].bgr);
   }
-}
-
-TEST(SlamSystem, WorkersInTheBackgroundKeepUpAndFinish) {
-  const Outcome result = run(SystemConfig(), SlamSystem::Mode::kBackground);
-  EXPECT_GE(result.posed, 58);
-  EXPECT_LT(trajectoryError(result), 0.025);
-  EXPECT_GT(result.cloud.size(), 10000U);
-}
-
-/// 200 frames, forth and back over the same pictures, while somebody else asks for poses and saves the map: what
-/// nodelets do, and what ThreadSanitizer is to see.
-TEST(SlamSystem, TwoHundredFramesOnWorkersWhileOthersRead) {
-  SlamSystem system(SystemConfig(), SlamSystem::Mode::kBackground);
-  const std::string file = testing::TempDir() + "/two_hundred_frames.map";
-  std::atomic<bool> done{false};
-  std::size_t reads = 0;
-  std::thread reader([&] {
-    while (!done) {
-      if (system.slam().trajectory().empty() || system.slam().keyframePoses().empty()) continue;
-      system.slam().saveMap(file);
-      ++reads;
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    }
-  });
-  const std::vector<SyntheticFrame>& frames = walkingFrames();
-  const int last = static_cast<int>(frames.size()) - 1;
-  std::vector<TimedPose> truth;
-  int posed = 0;
-  for (int i = 0; i < 200; ++i) {
-    const int phase = i % (2 * last);
-    const SyntheticFrame& synthetic = frames[static_cast<std::size_t>(phase <= last ? phase : 2 * last - phase)];
-    RgbdFrame frame = synthetic.frame;
-    frame.index = static_cast<std::uint64_t>(i);
-    frame.stamp = Stamp{frames[0].frame.stamp.ns + i * 33333333LL};
-    truth.push_back({frame.stamp, synthetic.T_world_camera});
-    posed += system.step(frame).posed ? 1 : 0;
-  }
-  done = true;
-  reader.join();
-  system.finish();
-  EXPECT_GE(posed, 198);
-  EXPECT_GT(reads, 0U);
-  EXPECT_LT(absoluteTrajectoryError(truth, system.slam().trajectory()).translation_m.rmse, 0.03);
-  SparseSlam restored(SparseSlamConfig(), SparseSlam::Mode::kSynchronous);
-  EXPECT_NO_THROW(restored.loadMap(file)) << "saved while workers changed the map";
 }
 
 /// A network that knows the truth: what it says of an image is looked up by the image itself.
@@ -173,12 +127,12 @@ double shareOnPeople(const std::vector<LabelledPoint>& cloud, const SE3& T_truth
   return static_cast<double>(on_people) / static_cast<double>(cloud.size());
 }
 
-TEST(SlamSystem, NoPersonEntersTheMap) {
+TEST(Pipeline, NoPersonEntersTheMap) {
   double people_px = 0.0;
   for (const SyntheticFrame& synthetic : walkingFrames()) people_px += cv::countNonZero(synthetic.person_mask);
   ASSERT_GT(people_px / static_cast<double>(walkingFrames().size()), 0.05 * 320 * 240)
       << "there are people to leave out";
-  SlamSystem system(SystemConfig(), SlamSystem::Mode::kSynchronous, std::make_unique<TrueLabels>());
+  Pipeline system(SystemConfig(), std::make_unique<TrueLabels>());
   for (const SyntheticFrame& synthetic : walkingFrames()) system.step(synthetic.frame);
   system.finish();
   const auto cloud = system.dense().cloud();
@@ -209,12 +163,12 @@ class CountingSegmenter final : public Segmenter {
   LabelSet labels_ = syntheticLabels();
 };
 
-TEST(SlamSystem, ACameraThatStandsStillIsStillTold) {
+TEST(Pipeline, ACameraThatStandsStillIsStillTold) {
   for (const double longest_gap_s : {0.5, 3600.0}) {
     SystemConfig config;
     config.segmentation.longest_gap_s = longest_gap_s;
     int asked = 0;
-    SlamSystem system(config, SlamSystem::Mode::kSynchronous, std::make_unique<CountingSegmenter>(asked));
+    Pipeline system(config, std::make_unique<CountingSegmenter>(asked));
     constexpr int kFrames = 60;  // 2 s
     for (int i = 0; i < kFrames; ++i) {
       RgbdFrame frame = walkingFrames()[0].frame;
@@ -227,57 +181,18 @@ TEST(SlamSystem, ACameraThatStandsStillIsStillTold) {
   }
 }
 
-/// Answers the first question at once and the second when it is let go.
-class SlowSegmenter final : public Segmenter {
- public:
-  SlowSegmenter(std::atomic<int>& asked, std::atomic<bool>& go) : asked_(asked), go_(go) {}
-  const LabelSet& labels() const override { return labels_; }
-  Segmentation segment(const cv::Mat3b& bgr) override {
-    if (++asked_ > 1) {
-      while (!go_) std::this_thread::yield();
-    }
-    return {cv::Mat1b::zeros(bgr.size())};
-  }
-
- private:
-  std::atomic<int>& asked_;
-  std::atomic<bool>& go_;
-  LabelSet labels_ = syntheticLabels();
-};
-
-TEST(SlamSystem, FramesBetweenKeyframesDoNotQueueBehindABusyNetwork) {
-  std::atomic<int> asked{0};
-  std::atomic<bool> go{false};
-  SlamSystem system(SystemConfig(), SlamSystem::Mode::kBackground, std::make_unique<SlowSegmenter>(asked, go));
-  int frames = 0;
-  const auto stand = [&] {
-    RgbdFrame frame = walkingFrames()[0].frame;
-    frame.index = static_cast<std::uint64_t>(frames);
-    frame.stamp = Stamp{frame.stamp.ns + frames++ * 33333333LL};
-    system.step(frame);
-  };
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
-  while (asked < 2 && std::chrono::steady_clock::now() < deadline) stand();
-  ASSERT_EQ(asked, 2) << "k1, and a frame half a second or more later";
-  for (int i = 0; i < 60; ++i) stand();  // two seconds
-  go = true;
-  system.finish();
-  EXPECT_EQ(asked, 2);
-  EXPECT_EQ(system.slam().keyframeCount(), 1U);
-}
-
-TEST(SlamSystem, AFrameThatIsNotNewerIsPassedOver) {
-  SlamSystem system(SystemConfig(), SlamSystem::Mode::kSynchronous);
+TEST(Pipeline, AFrameThatIsNotNewerIsPassedOver) {
+  Pipeline system{SystemConfig()};
   const auto& frames = walkingFrames();
   system.step(frames[0].frame);
-  EXPECT_TRUE(system.step(frames[1].frame).posed);
-  EXPECT_FALSE(system.step(frames[1].frame).posed);
-  EXPECT_FALSE(system.step(frames[0].frame).posed);
-  EXPECT_TRUE(system.step(frames[2].frame).posed);
+  EXPECT_TRUE(system.step(frames[1].frame).posed());
+  EXPECT_FALSE(system.step(frames[1].frame).posed());
+  EXPECT_FALSE(system.step(frames[0].frame).posed());
+  EXPECT_TRUE(system.step(frames[2].frame).posed());
 }
 
-TEST(SlamSystem, DarknessLosesNothingThatIsMapped) {
-  SlamSystem system(SystemConfig(), SlamSystem::Mode::kSynchronous);
+TEST(Pipeline, DarknessLosesNothingThatIsMapped) {
+  Pipeline system{SystemConfig()};
   const auto& frames = walkingFrames();
   for (int i = 0; i < 20; ++i) system.step(frames[i].frame);
   const std::size_t keyframes = system.slam().keyframeCount(), landmarks = system.slam().landmarkCount();
@@ -287,12 +202,12 @@ TEST(SlamSystem, DarknessLosesNothingThatIsMapped) {
     dark.gray = cv::Mat1b(dark.gray.size(), std::uint8_t{0});
     dark.depth_m = cv::Mat1f(dark.depth_m.size(), 0.0F);
     const StepResult result = system.step(dark);
-    EXPECT_FALSE(result.posed);
+    EXPECT_FALSE(result.posed());
     EXPECT_EQ(result.tracking.state, TrackingState::kRecentlyLost);
   }
   EXPECT_EQ(system.slam().keyframeCount(), keyframes);
   EXPECT_EQ(system.slam().landmarkCount(), landmarks);
-  EXPECT_TRUE(system.step(frames[30].frame).posed || system.step(frames[31].frame).posed);
+  EXPECT_TRUE(system.step(frames[30].frame).posed() || system.step(frames[31].frame).posed());
 }
 
 /// The frame as if it had been taken later.
@@ -305,7 +220,7 @@ RgbdFrame at(const RgbdFrame& frame, std::uint64_t index) {
 
 TEST(SparseSlam, FindsBackAfterTheCameraWasCovered) {
   StageTimes times;
-  SparseSlam slam(SparseSlamConfig(), SparseSlam::Mode::kSynchronous);
+  SparseSlam slam{SparseSlamConfig()};
   const auto& frames = walkingFrames();
   std::vector<SE3> T_camera_world;
   std::uint64_t index = 0;
@@ -333,7 +248,7 @@ TEST(SparseSlam, FindsBackAfterTheCameraWasCovered) {
 
 TEST(SparseSlam, AfterEveryCutAndJumpItFindsTheRightPlace) {
   StageTimes times;
-  SparseSlam slam(SparseSlamConfig(), SparseSlam::Mode::kSynchronous);
+  SparseSlam slam{SparseSlamConfig()};
   const auto& frames = walkingFrames();
   std::uint64_t index = 0;
   const auto show = [&](int i) {
@@ -373,17 +288,16 @@ TEST(SparseSlam, LocalisesInASavedMapAndLeavesItAlone) {
                     second = ::testing::TempDir() + "slam_map_2.bin";
   SE3 expected;
   {
-    SparseSlam slam(SparseSlamConfig(), SparseSlam::Mode::kSynchronous);
+    SparseSlam slam{SparseSlamConfig()};
     for (int i = 0; i < 40; ++i) slam.step(at(frames[i].frame, i), frames[i].person_mask, times);
     expected = slam.trajectory().at(20).T_world_camera.inverse();  // as the map that is saved has it
     slam.saveMap(first);
   }
-  SparseSlam slam(SparseSlamConfig(), SparseSlam::Mode::kSynchronous);
+  SparseSlam slam{SparseSlamConfig()};
   slam.loadMap(first);
-  slam.setLocalizationOnly(true);
   int posed = 0;
   for (int i = 20; i < 60; ++i) {
-    const SparseStep step = slam.step(at(frames[i].frame, i), frames[i].person_mask, times);
+    const SparseStep step = slam.step(at(frames[i].frame, i), frames[i].person_mask, times, true);
     EXPECT_FALSE(step.keyframe);
     if (step.tracking.state != TrackingState::kOk) continue;
     if (posed == 0) {
@@ -403,7 +317,7 @@ TEST(SparseSlam, LocalisesInASavedMapAndLeavesItAlone) {
 
 TEST(SparseSlam, ABadMapFileChangesNothing) {
   StageTimes times;
-  SparseSlam slam(SparseSlamConfig(), SparseSlam::Mode::kSynchronous);
+  SparseSlam slam{SparseSlamConfig()};
   for (int i = 0; i < 10; ++i) slam.step(at(walkingFrames()[i].frame, i), {}, times);
   const std::size_t landmarks = slam.landmarkCount(), poses = slam.trajectory().size();
   EXPECT_THROW(slam.loadMap("/no/such/map"), FileError);
@@ -422,11 +336,11 @@ TEST(SystemConfig, KeysAreUniqueAndTheDefaultsValid) {
   EXPECT_GT(keys.count("motion.model"), 0U);
 }
 
-TEST(SlamSystem, RefusesAConfigOutOfRangeByName) {
+TEST(Pipeline, RefusesAConfigOutOfRangeByName) {
   SystemConfig config;
   config.slam.tracking.frame.search_radius_px = -1.0;
   try {
-    SlamSystem system(config, SlamSystem::Mode::kSynchronous);
+    Pipeline system(config);
     FAIL() << "must not be constructed";
   } catch (const ConfigError& error) {
     EXPECT_NE(std::string(error.what()).find("search_radius_px"), std::string::npos) << error.what();

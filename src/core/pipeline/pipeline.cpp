@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/pipeline/pipeline.h"
+#include "semantic_vslam/core/common/abort_flag.h"
 
-#include <atomic>
 #include <utility>
 
 #include "core/dense/dense_mapper.h"
@@ -80,7 +80,7 @@ TrackingOutput Pipeline::track(TrackingInput input) {
 /// The map's upkeep, at once.
 void Pipeline::maintain(TrackingOutput& output, const RgbdFrame& frame) {
   const TrackingStage::Alone at_once = [](const std::function<void()>& use) { use(); };
-  const std::atomic<bool> never{false};
+  const AbortFlag never{false};
   for (const KeyframeNotice& keyframe : output.keyframes) {
     if (tracking_.maintain(keyframe.id, frame.index, times_, at_once, never)) {
       tracking_.adjustAll(frame.index, times_, at_once, never);

@@ -32,7 +32,7 @@ TrackedFrame SparseSlam::prepare(const RgbdFrame& frame, const cv::Mat1b& dynami
 SparseStep SparseSlam::step(const RgbdFrame& frame, const cv::Mat1b& dynamic, StageTimes& times,
                             bool localization_only) {
   const Alone at_once = [](const std::function<void()>& use) { use(); };
-  const std::atomic<bool> never{false};
+  const AbortFlag never{false};
   SparseStep step;
   {
     auto timer = times.scope("tracking", frame.index);
@@ -159,7 +159,7 @@ void SparseSlam::insertLast(SparseStep& step) {
 }
 
 bool SparseSlam::maintain(KeyframeId keyframe, std::uint64_t frame, StageTimes& times, const Alone& alone,
-                          const std::atomic<bool>& abort) {
+                          const AbortFlag& abort) {
   {
     auto timer = times.scope("local_mapping", frame);
     adjustAround(keyframe, alone, abort);
@@ -169,7 +169,7 @@ bool SparseSlam::maintain(KeyframeId keyframe, std::uint64_t frame, StageTimes& 
   return loops_.closeAt(keyframe, alone);
 }
 
-void SparseSlam::adjustAround(KeyframeId keyframe, const Alone& alone, const std::atomic<bool>& abort) {
+void SparseSlam::adjustAround(KeyframeId keyframe, const Alone& alone, const AbortFlag& abort) {
   const SensorConfig& sensor = config_.tracking.frame.sensor;
   std::optional<BaProblem> problem;
   alone([&] {
@@ -192,7 +192,7 @@ void SparseSlam::adjustAround(KeyframeId keyframe, const Alone& alone, const std
   });
 }
 
-void SparseSlam::adjustAll(std::uint64_t frame, StageTimes& times, const Alone& alone, const std::atomic<bool>& abort) {
+void SparseSlam::adjustAll(std::uint64_t frame, StageTimes& times, const Alone& alone, const AbortFlag& abort) {
   auto timer = times.scope("global_ba", frame);
   loops_.adjustAll(alone, abort);
 }

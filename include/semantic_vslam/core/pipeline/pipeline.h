@@ -12,8 +12,8 @@
 
 namespace semantic_vslam {
 
-/// The four stages wired by calls: everything of a frame is done within step(), and the same bytes come out for the same
-/// bytes in. PipelineRunner wires the same stages on threads, the nodelets by topics.
+/// The four stages wired by calls: everything of a frame is done within step(), and the same bytes come out for the
+/// same bytes in. PipelineRunner wires the same stages on threads, the nodelets by topics.
 class Pipeline {
  public:
   /// Opens the network, if one is configured. @throws ConfigError, ModelError

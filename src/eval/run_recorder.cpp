@@ -8,7 +8,9 @@
 
 #include "core/common/atomic_file.h"
 #include "core/dense/cloud_file.h"
+#include "core/dense/dense_mapper.h"
 #include "core/io/image_file.h"
+#include "core/pipeline/sparse_slam.h"
 #include "eval/overview_picture.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"

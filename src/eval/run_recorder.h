@@ -7,6 +7,8 @@
 
 #include "eval/run_report.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
+#include "semantic_vslam/core/dense/dense_result.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/io/frame_source.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/pipeline/sparse_slam.h"
 #include "core/runtime/worker.h"
 #include "ros/conversions.h"
 #include "ros/motion_mask_input.h"
@@ -20,7 +21,6 @@
 #include "ros/tracking_publisher.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/io/trajectory.h"
-#include "semantic_vslam/core/pipeline/sparse_slam.h"
 
 namespace semantic_vslam {
 

@@ -14,9 +14,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/pipeline/sparse_slam.h"
 #include "ros/tf_publisher.h"
 #include "semantic_vslam/core/io/trajectory.h"
-#include "semantic_vslam/core/pipeline/sparse_slam.h"
 
 namespace semantic_vslam {
 

@@ -13,6 +13,7 @@
 #include "core/common/atomic_file.h"
 #include "core/common/config_arguments.h"
 #include "core/io/json_writer.h"
+#include "core/pipeline/sparse_slam.h"
 #include "eval/open_recording.h"
 #include "eval/run_report.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"

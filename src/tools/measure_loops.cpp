@@ -18,6 +18,7 @@
 #include "core/common/progress.h"
 #include "core/io/json_writer.h"
 #include "core/io/stamp_association.h"
+#include "core/pipeline/sparse_slam.h"
 #include "eval/open_recording.h"
 #include "eval/run_report.h"
 #include "eval/trajectory_error.h"

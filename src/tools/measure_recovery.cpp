@@ -15,6 +15,8 @@
 #include "core/common/atomic_file.h"
 #include "core/common/config_arguments.h"
 #include "core/io/json_writer.h"
+#include "core/motion/motion_detector.h"
+#include "core/pipeline/sparse_slam.h"
 #include "eval/fault_injection.h"
 #include "eval/open_recording.h"
 #include "eval/trajectory_error.h"

@@ -18,6 +18,8 @@
 #include "core/common/config_arguments.h"
 #include "core/common/progress.h"
 #include "core/io/image_file.h"
+#include "core/pipeline/slam_runner.h"
+#include "core/pipeline/sparse_slam.h"
 #include "core/runtime/bounded_queue.h"
 #include "core/runtime/read_ahead.h"
 #include "eval/open_recording.h"
@@ -25,7 +27,6 @@
 #include "ros/bag_source.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/io/trajectory.h"
-#include "semantic_vslam/core/pipeline/slam_runner.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"
 
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/pipeline/loop_closer.h"
+#include "core/pipeline/loop_closer.h"
 
 #include <optional>
 #include <string>

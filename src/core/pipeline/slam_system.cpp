@@ -2,11 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/pipeline/slam_system.h"
 
+#include <atomic>
+#include <deque>
+#include <mutex>
 #include <opencv2/imgproc.hpp>
+#include <string>
+#include <thread>
 #include <utility>
 
+#include "core/dense/dense_mapper.h"
+#include "core/dense/waiting_keyframes.h"
 #include "core/labels/dynamic_objects.h"
+#include "core/motion/motion_detector.h"
+#include "core/pipeline/sparse_slam.h"
+#include "core/runtime/bounded_queue.h"
 #include "core/runtime/thread_priority.h"
+#include "core/segmentation/segmentation_stage.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/log.h"
 
@@ -30,18 +41,85 @@ cv::Mat1b unite(const cv::Mat1b& dynamic, const cv::Mat1b& removal) {
 
 }  // namespace
 
-SlamSystem::SlamSystem(const SystemConfig& config, Mode mode)
-    : SlamSystem(config, mode, SegmentationStage(config.segmentation)) {}
+class SlamSystem::Inside {
+ public:
+  Inside(const SystemConfig& config, Mode mode, SegmentationStage segmentation);
+  ~Inside();
 
-SlamSystem::SlamSystem(const SystemConfig& config, Mode mode, std::unique_ptr<Segmenter> segmenter)
-    : SlamSystem(config, mode, SegmentationStage(config.segmentation, std::move(segmenter))) {}
+  StepResult step(const RgbdFrame& frame);
+  std::optional<ObservedFrame> observe(const RgbdFrame& frame);
+  StepResult track(ObservedFrame observed);
+  void finish();
 
-SlamSystem::SlamSystem(const SystemConfig& config, Mode mode, SegmentationStage segmentation)
+  const SparseSlam& slam() const { return slam_; }
+  const DenseMapper& dense() const { return dense_; }
+  const LabelSet& labels() const { return segmentation_.labels(); }
+  const StageTimes& times() const { return times_; }
+  std::size_t keyframesPassedOver() const { return passed_over_; }
+
+ private:
+  /// A keyframe on its way into the dense map, or a frame between keyframes that is only segmented.
+  struct KeyframeJob {
+    KeyframeId id;  ///< invalid: only segmented
+    RgbdFrame frame;
+    cv::Mat1b dynamic, moving;  ///< of MotionResult
+    cv::Mat1b labels;           ///< empty: not segmented yet
+  };
+  struct LateLabels {
+    Stamp stamp;
+    cv::Mat1b labels;
+  };
+
+  void takeLateLabels(Stamp now);
+  /// What is known of people in a frame before there is a map, whose first frame must hold none.
+  enum class FirstLabels {
+    kNotNeeded,  ///< there is a map, or no network
+    kCarried,    ///< the motion stage carries fresh ones on to this frame
+    kWanted,     ///< the frame may become k1: to be segmented
+    kMissing     ///< the frame may become k2, whose people motion detection removes
+  };
+  FirstLabels firstLabels(const RgbdFrame& frame, const MotionResult& motion) const;
+  /// Labels of a frame, for the motion stage too.
+  cv::Mat1b segment(const RgbdFrame& frame);
+  /// People and moving objects of the labels, 255; empty without labels.
+  cv::Mat1b removalMask(const cv::Mat1b& labels, const cv::Mat1b& moving) const;
+  void passOn(const SparseStep& step, KeyframeJob job);
+  void submit(KeyframeJob job);
+  void finishJob(KeyframeJob job);
+  void mapKeyframe(KeyframeJob job);
+  /// Adds the waiting keyframes whose place in the world is known by now to the dense map.
+  void mapPlaced();
+  void work();
+
+  const SystemConfig config_;
+  const Mode mode_;
+  StageTimes times_;
+  MotionDetector motion_;           // used by observe()
+  SegmentationStage segmentation_;  // used by track() until initialised, then by the worker
+  SparseSlam slam_;
+  DenseMapper dense_;                     // used by the worker
+  WaitingKeyframes waiting_;              // used by the worker
+  KeyframeId world_;                      // used by the worker: first keyframe of the map that dense_ shows
+  std::optional<Stamp> last_stamp_;       // used by observe()
+  Stamp last_submitted_;                  // used by track()
+  std::optional<KeyframeJob> candidate_;  ///< k1, until initialisation has made it the first keyframe
+
+  std::mutex late_mutex_;
+  std::deque<LateLabels> late_labels_;  // guarded by late_mutex_
+  std::atomic<bool> network_works_;     ///< there is one, and it has not failed
+  std::atomic<bool> worker_busy_{false};
+  std::atomic<bool> finishing_{false};  ///< nobody waits for tracking any more
+  std::atomic<std::size_t> passed_over_{0};
+  BoundedQueue<KeyframeJob> keyframe_jobs_;
+  std::thread worker_;  ///< last member: starts when all else is there, joined first
+};
+
+SlamSystem::Inside::Inside(const SystemConfig& config, Mode mode, SegmentationStage segmentation)
     : config_(config),
       mode_(mode),
       motion_(config.motion),
       segmentation_(std::move(segmentation)),
-      slam_(config.slam, mode),
+      slam_(config.slam, mode == Mode::kSynchronous ? SparseSlam::Mode::kSynchronous : SparseSlam::Mode::kBackground),
       dense_(config.dense, segmentation_.labels()),
       network_works_(segmentation_.enabled()),
       keyframe_jobs_(kKeyframeJobs, QueuePolicy::kBlock) {
@@ -49,17 +127,17 @@ SlamSystem::SlamSystem(const SystemConfig& config, Mode mode, SegmentationStage 
   if (mode_ == Mode::kBackground) worker_ = std::thread([this] { work(); });
 }
 
-SlamSystem::~SlamSystem() {
+SlamSystem::Inside::~Inside() {
   keyframe_jobs_.close();
   if (worker_.joinable()) worker_.join();
 }
 
-StepResult SlamSystem::step(const RgbdFrame& frame) {
+StepResult SlamSystem::Inside::step(const RgbdFrame& frame) {
   std::optional<ObservedFrame> observed = observe(frame);
   return observed ? track(std::move(*observed)) : StepResult();
 }
 
-std::optional<ObservedFrame> SlamSystem::observe(const RgbdFrame& frame) {
+std::optional<ObservedFrame> SlamSystem::Inside::observe(const RgbdFrame& frame) {
   if (last_stamp_ && frame.stamp <= *last_stamp_) {
     logWarning("frame " + std::to_string(frame.index) + " is not newer than the one before it: passed over");
     return std::nullopt;
@@ -70,7 +148,7 @@ std::optional<ObservedFrame> SlamSystem::observe(const RgbdFrame& frame) {
   return ObservedFrame{frame, motion_.detect(frame)};
 }
 
-StepResult SlamSystem::track(ObservedFrame observed) {
+StepResult SlamSystem::Inside::track(ObservedFrame observed) {
   StepResult result;
   const RgbdFrame& frame = observed.frame;
   result.motion = std::move(observed.motion);
@@ -94,13 +172,14 @@ StepResult SlamSystem::track(ObservedFrame observed) {
   return result;
 }
 
-SlamSystem::FirstLabels SlamSystem::firstLabels(const RgbdFrame& frame, const MotionResult& motion) const {
+SlamSystem::Inside::FirstLabels SlamSystem::Inside::firstLabels(const RgbdFrame& frame,
+                                                                const MotionResult& motion) const {
   if (slam_.keyframeCount() > 0 || !network_works_) return FirstLabels::kNotNeeded;
   if (motion.labels && secondsBetween(*motion.labels, frame.stamp) < kFirstLabelsHoldS) return FirstLabels::kCarried;
   return candidate_ ? FirstLabels::kMissing : FirstLabels::kWanted;
 }
 
-cv::Mat1b SlamSystem::segment(const RgbdFrame& frame) {
+cv::Mat1b SlamSystem::Inside::segment(const RgbdFrame& frame) {
   auto timer = times_.scope("segmentation", frame.index);
   const cv::Mat1b labels = segmentation_.process(frame);
   network_works_ = segmentation_.enabled();
@@ -111,7 +190,7 @@ cv::Mat1b SlamSystem::segment(const RgbdFrame& frame) {
   return labels;
 }
 
-void SlamSystem::takeLateLabels(Stamp now) {
+void SlamSystem::Inside::takeLateLabels(Stamp now) {
   std::lock_guard<std::mutex> lock(late_mutex_);
   while (!late_labels_.empty() && secondsBetween(late_labels_.front().stamp, now) >= config_.label_delay_s) {
     motion_.addLabels(late_labels_.front().stamp, late_labels_.front().labels, segmentation_.labels());
@@ -119,7 +198,7 @@ void SlamSystem::takeLateLabels(Stamp now) {
   }
 }
 
-cv::Mat1b SlamSystem::removalMask(const cv::Mat1b& labels, const cv::Mat1b& moving) const {
+cv::Mat1b SlamSystem::Inside::removalMask(const cv::Mat1b& labels, const cv::Mat1b& moving) const {
   cv::Mat1b removal;
   if (!labels.empty()) {
     cv::Mat1b moving_px;
@@ -129,7 +208,7 @@ cv::Mat1b SlamSystem::removalMask(const cv::Mat1b& labels, const cv::Mat1b& movi
   return removal;
 }
 
-void SlamSystem::passOn(const SparseStep& step, KeyframeJob job) {
+void SlamSystem::Inside::passOn(const SparseStep& step, KeyframeJob job) {
   if (step.first_keyframe && candidate_) {
     candidate_->id = *step.first_keyframe;
     submit(std::move(*candidate_));
@@ -146,7 +225,7 @@ void SlamSystem::passOn(const SparseStep& step, KeyframeJob job) {
   }
 }
 
-void SlamSystem::submit(KeyframeJob job) {
+void SlamSystem::Inside::submit(KeyframeJob job) {
   last_submitted_ = job.frame.stamp;
   if (mode_ == Mode::kSynchronous) {
     finishJob(std::move(job));
@@ -155,7 +234,7 @@ void SlamSystem::submit(KeyframeJob job) {
   }
 }
 
-void SlamSystem::finishJob(KeyframeJob job) {
+void SlamSystem::Inside::finishJob(KeyframeJob job) {
   if (job.id.valid()) {
     mapKeyframe(std::move(job));
   } else if (!finishing_) {
@@ -163,7 +242,7 @@ void SlamSystem::finishJob(KeyframeJob job) {
   }
 }
 
-void SlamSystem::mapKeyframe(KeyframeJob job) {
+void SlamSystem::Inside::mapKeyframe(KeyframeJob job) {
   if (job.labels.empty() && network_works_) {
     if (!finishing_ && keyframe_jobs_.size() > kMostBehindSegmentation) {
       ++passed_over_;
@@ -178,7 +257,7 @@ void SlamSystem::mapKeyframe(KeyframeJob job) {
   mapPlaced();
 }
 
-void SlamSystem::mapPlaced() {
+void SlamSystem::Inside::mapPlaced() {
   waiting_.keepOnly([this](KeyframeId id) { return slam_.holds(id); });
   const auto poses = slam_.keyframePoses();
   const KeyframeId world = poses.empty() ? KeyframeId() : poses.front().keyframe;
@@ -188,7 +267,7 @@ void SlamSystem::mapPlaced() {
   dense_.updatePoses(poses);
 }
 
-void SlamSystem::work() {
+void SlamSystem::Inside::work() {
   lowerThreadPriority();
   while (auto job = keyframe_jobs_.pop()) {
     worker_busy_ = true;
@@ -197,7 +276,7 @@ void SlamSystem::work() {
   }
 }
 
-void SlamSystem::finish() {
+void SlamSystem::Inside::finish() {
   finishing_ = true;
   slam_.finish();
   if (worker_.joinable()) {
@@ -208,5 +287,23 @@ void SlamSystem::finish() {
   mapPlaced();
   dense_.finish();
 }
+
+SlamSystem::SlamSystem(const SystemConfig& config, Mode mode)
+    : inside_(std::make_unique<Inside>(config, mode, SegmentationStage(config.segmentation))) {}
+
+SlamSystem::SlamSystem(const SystemConfig& config, Mode mode, std::unique_ptr<Segmenter> segmenter)
+    : inside_(std::make_unique<Inside>(config, mode, SegmentationStage(config.segmentation, std::move(segmenter)))) {}
+
+SlamSystem::~SlamSystem() = default;
+
+StepResult SlamSystem::step(const RgbdFrame& frame) { return inside_->step(frame); }
+std::optional<ObservedFrame> SlamSystem::observe(const RgbdFrame& frame) { return inside_->observe(frame); }
+StepResult SlamSystem::track(ObservedFrame observed) { return inside_->track(std::move(observed)); }
+void SlamSystem::finish() { inside_->finish(); }
+const SparseSlam& SlamSystem::slam() const { return inside_->slam(); }
+const DenseMapper& SlamSystem::dense() const { return inside_->dense(); }
+const LabelSet& SlamSystem::labels() const { return inside_->labels(); }
+const StageTimes& SlamSystem::times() const { return inside_->times(); }
+std::size_t SlamSystem::keyframesPassedOver() const { return inside_->keyframesPassedOver(); }
 
 }  // namespace semantic_vslam

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/pipeline/sparse_slam.h"
 #include "eval/scenario_source.h"
 #include "eval/trajectory_error.h"
 #include "semantic_vslam/core/pipeline/slam_system.h"

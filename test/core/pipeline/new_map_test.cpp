@@ -4,10 +4,10 @@
 
 #include <set>
 
+#include "core/pipeline/sparse_slam.h"
 #include "core/support/quarter_vga.h"
 #include "eval/synthetic_room.h"
 #include "eval/trajectory_error.h"
-#include "semantic_vslam/core/pipeline/sparse_slam.h"
 
 namespace semantic_vslam {
 namespace {

@@ -14,6 +14,8 @@
 #include <string>
 #include <thread>
 
+#include "core/dense/dense_mapper.h"
+#include "core/pipeline/sparse_slam.h"
 #include "core/support/quarter_vga.h"
 #include "eval/synthetic_room.h"
 #include "eval/trajectory_error.h"

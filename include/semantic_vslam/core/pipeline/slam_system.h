@@ -2,30 +2,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <atomic>
-#include <deque>
+#include <cstddef>
 #include <memory>
-#include <mutex>
+#include <opencv2/core.hpp>
 #include <optional>
-#include <thread>
-#include <vector>
 
-#include "core/dense/dense_mapper.h"
-#include "core/dense/waiting_keyframes.h"
-#include "core/motion/motion_detector.h"
-#include "core/runtime/bounded_queue.h"
-#include "core/segmentation/segmentation_stage.h"
+#include "semantic_vslam/core/camera/rgbd_frame.h"
+#include "semantic_vslam/core/common/ids.h"
+#include "semantic_vslam/core/common/label_set.h"
 #include "semantic_vslam/core/common/stage_timing.h"
+#include "semantic_vslam/core/geometry/se3.h"
+#include "semantic_vslam/core/motion/motion_result.h"
 #include "semantic_vslam/core/pipeline/config.h"
-#include "semantic_vslam/core/pipeline/sparse_slam.h"
+#include "semantic_vslam/core/segmentation/segmenter.h"
+#include "semantic_vslam/core/tracking/tracking_state.h"
 
 namespace semantic_vslam {
+
+class DenseMapper;
+class SparseSlam;
 
 /// What the whole way made of one frame.
 struct StepResult {
   bool posed = false;                    ///< the map gave this frame a pose
   SE3 T_world_camera = SE3::Identity();  ///< valid if posed; a prediction while RECENTLY_LOST
-  TrackingResult tracking;
+  TrackingEstimate tracking;
   std::optional<KeyframeId> keyframe;  ///< set if the frame became a keyframe
   MotionResult motion;
   cv::Mat1b dynamic;  ///< what tracking was told: motion, and people of the first frames' labels; 0..255
@@ -43,7 +44,7 @@ class SlamSystem {
  public:
   /// kSynchronous: everything within step(), the same bytes out for the same bytes in. kBackground: map upkeep on one
   /// worker, segmentation and dense mapping on another, so that step() is done within a frame's time.
-  using Mode = SparseSlam::Mode;
+  enum class Mode { kSynchronous, kBackground };
 
   /// Opens the network, if one is configured. @throws ConfigError, ModelError
   SlamSystem(const SystemConfig& config, Mode mode);
@@ -68,71 +69,17 @@ class SlamSystem {
   /// step() after it.
   void finish();
 
-  const SparseSlam& slam() const { return slam_; }
+  const SparseSlam& slam() const;
   /// The dense map; call finish() first.
-  const DenseMapper& dense() const { return dense_; }
-  const LabelSet& labels() const { return segmentation_.labels(); }
-  const StageTimes& times() const { return times_; }
+  const DenseMapper& dense() const;
+  const LabelSet& labels() const;
+  const StageTimes& times() const;
   /// Keyframes left out of the dense map because segmentation was too far behind (kBackground).
-  std::size_t keyframesPassedOver() const { return passed_over_; }
+  std::size_t keyframesPassedOver() const;
 
  private:
-  /// A keyframe on its way into the dense map, or a frame between keyframes that is only segmented.
-  struct KeyframeJob {
-    KeyframeId id;  ///< invalid: only segmented
-    RgbdFrame frame;
-    cv::Mat1b dynamic, moving;  ///< of MotionResult
-    cv::Mat1b labels;           ///< empty: not segmented yet
-  };
-  struct LateLabels {
-    Stamp stamp;
-    cv::Mat1b labels;
-  };
-
-  SlamSystem(const SystemConfig& config, Mode mode, SegmentationStage segmentation);
-
-  void takeLateLabels(Stamp now);
-  /// What is known of people in a frame before there is a map, whose first frame must hold none.
-  enum class FirstLabels {
-    kNotNeeded,  ///< there is a map, or no network
-    kCarried,    ///< the motion stage carries fresh ones on to this frame
-    kWanted,     ///< the frame may become k1: to be segmented
-    kMissing     ///< the frame may become k2, whose people motion detection removes
-  };
-  FirstLabels firstLabels(const RgbdFrame& frame, const MotionResult& motion) const;
-  /// Labels of a frame, for the motion stage too.
-  cv::Mat1b segment(const RgbdFrame& frame);
-  /// People and moving objects of the labels, 255; empty without labels.
-  cv::Mat1b removalMask(const cv::Mat1b& labels, const cv::Mat1b& moving) const;
-  void passOn(const SparseStep& step, KeyframeJob job);
-  void submit(KeyframeJob job);
-  void finishJob(KeyframeJob job);
-  void mapKeyframe(KeyframeJob job);
-  /// Adds the waiting keyframes whose place in the world is known by now to the dense map.
-  void mapPlaced();
-  void work();
-
-  const SystemConfig config_;
-  const Mode mode_;
-  StageTimes times_;
-  MotionDetector motion_;           // used by observe()
-  SegmentationStage segmentation_;  // used by track() until initialised, then by the worker
-  SparseSlam slam_;
-  DenseMapper dense_;                     // used by the worker
-  WaitingKeyframes waiting_;              // used by the worker
-  KeyframeId world_;                      // used by the worker: first keyframe of the map that dense_ shows
-  std::optional<Stamp> last_stamp_;       // used by observe()
-  Stamp last_submitted_;                  // used by track()
-  std::optional<KeyframeJob> candidate_;  ///< k1, until initialisation has made it the first keyframe
-
-  std::mutex late_mutex_;
-  std::deque<LateLabels> late_labels_;  // guarded by late_mutex_
-  std::atomic<bool> network_works_;     ///< there is one, and it has not failed
-  std::atomic<bool> worker_busy_{false};
-  std::atomic<bool> finishing_{false};  ///< nobody waits for tracking any more
-  std::atomic<std::size_t> passed_over_{0};
-  BoundedQueue<KeyframeJob> keyframe_jobs_;
-  std::thread worker_;  ///< last member: starts when all else is there, joined first
+  class Inside;
+  std::unique_ptr<Inside> inside_;
 };
 
 }  // namespace semantic_vslam

@@ -13,13 +13,13 @@
 #include <vector>
 
 #include "core/loop/map_joiner.h"
+#include "core/pipeline/loop_closer.h"
+#include "core/pipeline/shared_map.h"
 #include "core/runtime/bounded_queue.h"
 #include "core/runtime/latest_task.h"
 #include "semantic_vslam/core/common/stage_timing.h"
 #include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/map/keyframe_pose.h"
-#include "semantic_vslam/core/pipeline/loop_closer.h"
-#include "semantic_vslam/core/pipeline/shared_map.h"
 #include "semantic_vslam/core/pipeline/sparse_slam_config.h"
 
 namespace semantic_vslam {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/loop/loop_detector.h"
+#include "core/pipeline/shared_map.h"
 #include "semantic_vslam/core/common/stamp.h"
-#include "semantic_vslam/core/pipeline/shared_map.h"
 #include "semantic_vslam/core/pipeline/sparse_slam_config.h"
 
 namespace semantic_vslam {

@@ -10,6 +10,8 @@ trap 'rm -rf "$work"' EXIT
 options=(-DCMAKE_BUILD_TYPE=Release)
 if command -v ccache >/dev/null; then options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
 
+# usage: cached NAME   an option of the build
+cached() { sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt"; }
 # usage: quietly COMMAND...   shows what a command says only if it fails
 quietly() { "$@" >"$work/log" 2>&1 || { cat "$work/log"; echo "outside_package.sh: FAILED: $*"; exit 1; }; }
 
@@ -30,10 +32,10 @@ echo "outside_package.sh: $(wc -l <"$work/every_header.cpp") public headers"
 try plain "$work/core" "-DEVERY_HEADER=$work/every_header.cpp"
 
 quietly cmake --install "$build" --prefix "$work/all"
+PATH=$(dirname "$(cached PYTHON_EXECUTABLE)"):$PATH  # another python3, first in PATH, breaks catkin
 try catkin "$work/all"
 
 # The core by itself. Where there is a compiler cache, it has all that this compiles; else configuring must do.
-cached() { sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt"; }
 alone=$(dirname "$build")/core
 options+=("-DONNXRUNTIME_ROOT=$(cached ONNXRUNTIME_ROOT)" "-DSEMANTIC_VSLAM_WARNINGS_AS_ERRORS=$(cached SEMANTIC_VSLAM_WARNINGS_AS_ERRORS)")
 quietly cmake -S "$repository/src/core" -B "$alone" -G Ninja "${options[@]}" -DCMAKE_DISABLE_FIND_PACKAGE_catkin=ON

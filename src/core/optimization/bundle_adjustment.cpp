@@ -179,7 +179,7 @@ MapSolution makeSolution(const BaProblem& problem, const Observed& observed, con
 
 }  // namespace
 
-MapSolution solve(const BaProblem& problem, const BaConfig& config, const std::atomic<bool>* abort, BaReport* report) {
+MapSolution solve(const BaProblem& problem, const BaConfig& config, const AbortFlag* abort, BaReport* report) {
   const Observed observed(problem);
   State state(problem);
   AbortCallback abort_callback(abort);

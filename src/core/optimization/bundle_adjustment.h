@@ -3,13 +3,13 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <atomic>
 #include <cstdint>
 #include <vector>
 
 #include "core/map/map.h"
 #include "semantic_vslam/core/camera/camera_model.h"
 #include "semantic_vslam/core/camera/sensor_config.h"
+#include "semantic_vslam/core/common/abort_flag.h"
 #include "semantic_vslam/core/geometry/se3.h"
 #include "semantic_vslam/core/optimization/optimization_config.h"
 
@@ -59,7 +59,6 @@ struct BaReport {
 /// @param config  valid (its owner has validated it)
 /// @param abort   looked at between steps; may be nullptr. What was reached till then is the solution.
 /// @return values of the free keyframes and of all landmarks, and the matches found to be wrong.
-MapSolution solve(const BaProblem& problem, const BaConfig& config, const std::atomic<bool>* abort,
-                  BaReport* report = nullptr);
+MapSolution solve(const BaProblem& problem, const BaConfig& config, const AbortFlag* abort, BaReport* report = nullptr);
 
 }  // namespace semantic_vslam

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/dense/dense_mapper.h"
+#include "core/pipeline/sparse_slam.h"
 #include "semantic_vslam/core/common/config_fields.h"
 
 namespace semantic_vslam {
@@ -105,6 +106,9 @@ void Pipeline::passBack(const MapSnapshot& map) {
   motion_.take(map);
   labels_.take(map);
 }
+
+std::vector<TimedPose> Pipeline::trajectory() const { return slam().trajectory(); }
+std::vector<LabelledPoint> Pipeline::cloud() const { return dense().cloud(); }
 
 void Pipeline::finish() {
   if (!config_.dense.enabled) return;

@@ -6,6 +6,7 @@
 
 namespace semantic_vslam {
 
+/// Finding the camera in the map without a start.
 struct RelocalizerConfig {
   int max_candidates = 5;
   int neighbours = 10;
@@ -38,6 +39,7 @@ struct RelocalizerConfig {
   }
 };
 
+/// What it takes to believe that the camera is back at a known place.
 struct LoopDetectorConfig {
   double min_score = 0.02;
   double min_score_share = 0.5;
@@ -75,6 +77,7 @@ struct LoopDetectorConfig {
   }
 };
 
+/// Bending the map to a closed loop.
 struct LoopCorrectorConfig {
   double fuse_radius_px = 5.0;
   int neighbours = 10;

@@ -3,7 +3,10 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
+#include "semantic_vslam/core/dense/dense_result.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/pipeline/config.h"
 #include "semantic_vslam/core/pipeline/dense_stage.h"
 #include "semantic_vslam/core/pipeline/label_stage.h"
@@ -26,6 +29,10 @@ class Pipeline {
   /// Brings the dense map to the keyframes' last poses. Call before reading results.
   void finish();
 
+  /// Of all frames whose place in the world is known.
+  std::vector<TimedPose> trajectory() const;
+  /// The labelled points of the dense map, in the world.
+  std::vector<LabelledPoint> cloud() const;
   const SparseSlam& slam() const { return tracking_.slam(); }
   const DenseMapper& dense() const { return dense_.map(); }
   const LabelSet& labels() const { return labels_.labels(); }

@@ -7,19 +7,12 @@
 #include <vector>
 
 #include "core/dense/voxel_map.h"
+#include "semantic_vslam/core/dense/dense_result.h"
 
 /// The voxel map as an OctoMap that stock programs read (octovis, octomap_server, octomap_rviz_plugins). The tree is a
 /// ColorOcTree: a node type of our own that carried labels could be read by nobody without our library. Labels leave
 /// with the cloud (cloud.pcd, PointCloud2), one for each voxel and more finely.
 namespace semantic_vslam {
-
-/// Fields of octomap_msgs/Octomap.
-struct OctreeMessage {
-  bool binary = false;
-  std::string id;  ///< class of the tree: "OcTree" or "ColorOcTree"
-  double resolution_m = 0.0;
-  std::vector<std::int8_t> data;  ///< empty for an empty map
-};
 
 /// Free and occupied only, two bits a node: octomap_msgs' binaryMapToMsg of an OcTree.
 OctreeMessage binaryOctree(const VoxelMap& map);

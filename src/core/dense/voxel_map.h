@@ -9,36 +9,9 @@
 
 #include "core/dense/free_space.h"
 #include "core/dense/keyframe_cloud.h"
+#include "semantic_vslam/core/dense/dense_config.h"
 
 namespace semantic_vslam {
-
-struct VoxelMapConfig {
-  double resolution_m = 0.03;
-  double hit_probability = 0.7;
-  double miss_probability = 0.35;
-  double min_probability = 0.12;
-  double max_probability = 0.97;
-  int confirming_keyframes = 2;
-  double free_range_m = 4.0;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("resolution_m", resolution_m, 0.005, 1.0,
-            "edge of a voxel; 3 cm tells a chair leg from none and is 3 sigma of a Kinect's depth at 2.3 m");
-    v.field("hit_probability", hit_probability, 0.5, 0.99,
-            "that a voxel is occupied, given one keyframe's point in it");
-    v.field("miss_probability", miss_probability, 0.01, 0.5,
-            "that a voxel is occupied, given one keyframe that looked through it");
-    v.field("min_probability", min_probability, 0.001, 0.49,
-            "lower bound; keeps a voxel ready to change (OctoMap's clamping)");
-    v.field("max_probability", max_probability, 0.51, 0.999,
-            "upper bound; at 0.97 a chair that was moved is gone after six keyframes that look through it");
-    v.field("confirming_keyframes", confirming_keyframes, 1, 100,
-            "a voxel that any keyframe looked through needs points from so many to be shown: no ghosts of walkers");
-    v.field("free_range_m", free_range_m, 0.0, 20.0,
-            "space is called free up to here; beyond, pose and depth errors pass a voxel and rays are far apart");
-  }
-};
 
 enum class Occupancy { kUnknown, kFree, kOccupied };
 

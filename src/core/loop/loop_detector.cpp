@@ -83,7 +83,7 @@ LandmarkSightings lookFor(const Map& map, const std::vector<LandmarkId>& landmar
 
 }  // namespace
 
-LoopDetector::LoopDetector(const LoopDetectorConfig& config, const FrameTrackerConfig& tracker)
+LoopDetector::LoopDetector(const LoopDetectorConfig& config, const FramePoseConfig& tracker)
     : config_(config), tracker_(tracker) {
   validateConfig(config_);
   validateConfig(tracker_);

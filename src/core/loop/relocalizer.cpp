@@ -32,7 +32,7 @@ int matchByDescriptor(const Map& map, const Keyframe& keyframe, const Relocalisa
   return static_cast<int>(matches.size());
 }
 
-PoseProblem makeProblem(const Map& map, const TrackedFrame& frame, const FrameTrackerConfig& tracker) {
+PoseProblem makeProblem(const Map& map, const TrackedFrame& frame, const FramePoseConfig& tracker) {
   PoseProblem problem;
   problem.camera = frame.camera->intrinsics();
   problem.sensor = tracker.sensor;
@@ -48,7 +48,7 @@ PoseProblem makeProblem(const Map& map, const TrackedFrame& frame, const FrameTr
 
 /// Looks for landmarks that the frame has no match of yet, at its present pose.
 void addGuidedMatches(const Map& map, const std::vector<LandmarkId>& landmarks, double radius_px,
-                      const FrameTrackerConfig& tracker, TrackedFrame& frame) {
+                      const FramePoseConfig& tracker, TrackedFrame& frame) {
   const std::set<LandmarkId> known(frame.landmarks.begin(), frame.landmarks.end());
   std::vector<LandmarkId> missing;
   std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(missing),
@@ -94,8 +94,21 @@ std::vector<KeyframeId> keyframeGroup(const Map& map, KeyframeId id, int neighbo
   return group;
 }
 
+std::vector<LandmarkId> landmarksSeenBy(const Map& map, const std::vector<KeyframeId>& keyframes) {
+  std::vector<LandmarkId> ids;
+  for (const KeyframeId id : keyframes) {
+    const Keyframe* keyframe = map.keyframe(id);
+    if (keyframe == nullptr) continue;
+    std::copy_if(keyframe->landmarks.begin(), keyframe->landmarks.end(), std::back_inserter(ids),
+                 [](LandmarkId landmark) { return landmark.valid(); });
+  }
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
 std::optional<RelocalisationResult> relocaliseAt(const Map& map, const std::vector<KeyframeId>& group,
-                                                 const TrackedFrame& frame, const FrameTrackerConfig& tracker,
+                                                 const TrackedFrame& frame, const FramePoseConfig& tracker,
                                                  const RelocalisationConfig& config) {
   if (group.empty() || map.keyframe(group.front()) == nullptr) return std::nullopt;
   TrackedFrame working = frame;
@@ -120,7 +133,7 @@ std::optional<RelocalisationResult> relocaliseAt(const Map& map, const std::vect
 }
 
 std::optional<RelocalisationResult> relocalise(const Map& map, const PlaceIndex& index, const TrackedFrame& frame,
-                                               const FrameTrackerConfig& tracker, const RelocalisationConfig& config,
+                                               const FramePoseConfig& tracker, const RelocalisationConfig& config,
                                                const std::function<bool(KeyframeId)>& among) {
   std::vector<RelocalisationResult> found;
   std::set<KeyframeId> explained;  // shown by a pose found already

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/mapping/ba_selection.h"
+
 #include <algorithm>
 #include <map>
 #include <utility>
 
 #include "core/map/visibility.h"
-#include "core/optimization/bundle_adjustment.h"
 
 namespace semantic_vslam {
 namespace {

@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/camera/observation_model.h"
 #include "core/features/matcher.h"
 #include "core/geometry/triangulation.h"
-#include "core/optimization/pose_optimizer.h"
 
 namespace semantic_vslam {
 namespace {

@@ -175,7 +175,7 @@ MapSolution makeSolution(const BaProblem& problem, const Observed& observed, con
 
 }  // namespace
 
-MapSolution solve(const BaProblem& problem, const BaConfig& config, const std::atomic<bool>* abort) {
+MapSolution solve(const BaProblem& problem, const BaConfig& config, const AbortFlag* abort) {
   const Observed observed(problem);
   State state(problem);
   AbortCallback abort_callback(abort);

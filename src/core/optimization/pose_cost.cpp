@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "core/optimization/huber.h"
+
 namespace semantic_vslam {
 namespace {
 

@@ -71,7 +71,7 @@ PoseGraphProblem selectEssentialGraph(const Map& map, const std::vector<Relative
   return problem;
 }
 
-MapSolution solve(const PoseGraphProblem& problem, const PoseGraphConfig& config, const std::atomic<bool>* abort) {
+MapSolution solve(const PoseGraphProblem& problem, const PoseGraphConfig& config, const AbortFlag* abort) {
   std::vector<std::array<double, 6>> increments(problem.nodes.size(), std::array<double, 6>{});
   ceres::Problem ceres_problem;
   for (const auto& edge : problem.edges) {

@@ -6,6 +6,7 @@
 
 #include "core/loop/loop_corrector.h"
 #include "core/loop/loop_detector.h"
+#include "core/mapping/ba_selection.h"
 #include "core/optimization/bundle_adjustment.h"
 #include "core/support/synthetic_map.h"
 #include "semantic_vslam/core/common/error.h"

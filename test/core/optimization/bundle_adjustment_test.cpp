@@ -6,6 +6,7 @@
 
 #include <set>
 
+#include "core/mapping/ba_selection.h"
 #include "core/support/synthetic_map.h"
 
 namespace semantic_vslam {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/common/rng.h"
+#include "core/optimization/huber.h"
 #include "numeric_jacobian.h"
 
 namespace semantic_vslam {

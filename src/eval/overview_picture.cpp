@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
-#include "core/dense/map_picture.h"
+#include "core/dense/up_direction.h"
 #include "eval/cloud_view.h"
 #include "eval/plot_panel.h"
 #include "eval/trajectory_plot.h"

@@ -9,7 +9,7 @@
 
 #include "core/camera/observation_model.h"
 #include "core/features/matcher.h"
-#include "core/geometry/triangulation.h"
+#include "core/geometry/rays.h"
 
 namespace semantic_vslam {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/dense/map_picture.h"
+#include "core/dense/up_direction.h"
 
 #include <gtest/gtest.h>
 

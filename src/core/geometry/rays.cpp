@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/geometry/triangulation.h"
+#include "core/geometry/rays.h"
 
 #include <algorithm>
 #include <cmath>

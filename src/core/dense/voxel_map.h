@@ -32,7 +32,7 @@ struct Voxel {
 /// is found by projecting voxels into the depth image instead of walking along rays: every voxel is then updated once
 /// a keyframe, none is skipped between two rays, and a surface seen at a flat angle is not eaten away by the rays
 /// beside it. A keyframe of a desk takes 9 ms instead of the 45 ms of OctoMap's discretised, lazy insertion at the same
-/// 3 cm. The map leaves as an OctoMap (semantic_octree.h).
+/// 3 cm. The map leaves as an OctoMap (octomap_export.h).
 ///
 /// Memory: 1 kB a block (1.1 MB for 15 m^3 at 3 cm), and about 30 bytes for each voxel that holds a surface.
 class VoxelMap {

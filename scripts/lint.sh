@@ -57,6 +57,7 @@ check_tidy() {
 check clang-format "format (clang-format)" check_format
 check grep "licence headers" check_license
 check sh "core free of ROS" test/core_is_ros_free.sh "$root"
+check python3 "order of the core's folders" python3 test/core_floors.py "$root"
 check shellcheck "shell scripts" check_shell
 check python3 "Python syntax" check_python
 check python3 "XML files" check_xml

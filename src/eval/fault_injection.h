@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/tracking/tracker.h"
 #include "semantic_vslam/core/io/frame_source.h"
+#include "semantic_vslam/core/tracking/tracking_state.h"
 
 namespace semantic_vslam {
 

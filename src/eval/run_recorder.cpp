@@ -8,25 +8,19 @@
 
 #include "core/common/atomic_file.h"
 #include "core/dense/cloud_file.h"
+#include "core/dense/dense_mapper.h"
 #include "core/io/image_file.h"
+#include "core/pipeline/sparse_slam.h"
 #include "eval/overview_picture.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
+#include "semantic_vslam/core/io/trajectory.h"
 
 namespace semantic_vslam {
 namespace {
 
 // More than this share of moving things in a picture leaves no room to be seen.
 constexpr double kMostDynamicSample = 0.5;
-
-const char* motionModelName(MotionModel model) {
-  switch (model) {
-    case MotionModel::kNone: return "none";
-    case MotionModel::kHomography: return "homography";
-    case MotionModel::kRigidFlow: return "rigid_flow";
-  }
-  return "?";
-}
 
 std::vector<TimedPose> posesOf(const std::vector<KeyframePose>& keyframes) {
   std::vector<TimedPose> poses;
@@ -56,38 +50,37 @@ void RunRecorder::add(const RgbdFrame& frame, const StepResult& step, const cv::
   const MotionResult& motion = step.motion;
   report_.motion.push_back({frame.index, motionModelName(motion.model), motion.inliers, motion.dynamic_share});
   if (truth.size() == frame.bgr.size()) {
-    report_.mask.add(step.dynamic.empty() ? cv::Mat1b(cv::Mat1b::zeros(truth.size())) : step.dynamic, truth);
+    report_.mask.add(step.removed.empty() ? cv::Mat1b(cv::Mat1b::zeros(truth.size())) : step.removed, truth);
   }
-  if (step.posed && motion.dynamic_share > sample_.dynamic_share && motion.dynamic_share < kMostDynamicSample) {
-    sample_ = {motion.dynamic_share, frame.stamp, frame.bgr, step.dynamic.clone()};
+  if (step.posed() && motion.dynamic_share > sample_.dynamic_share && motion.dynamic_share < kMostDynamicSample) {
+    sample_ = {motion.dynamic_share, frame.stamp, frame.bgr, step.removed.clone()};
   }
 }
 
-void RunRecorder::writeResults(const std::string& folder, const SlamSystem& system, const DenseConfig& dense,
+void RunRecorder::writeResults(const std::string& folder, const Results& results, const DenseConfig& dense,
                                const FrameSource& source) {
-  const std::vector<TimedPose> trajectory = system.slam().trajectory();
+  const std::vector<TimedPose> trajectory = results.slam.trajectory();
   writeTumTrajectory(folder + "/trajectory.txt", trajectory);
-  writeTumTrajectory(folder + "/keyframes.txt", posesOf(system.slam().keyframePoses()));
-  system.times().writeCsv(folder + "/timing.csv");
-  const std::vector<LabelledPoint> cloud = system.dense().cloud();
+  writeTumTrajectory(folder + "/keyframes.txt", posesOf(results.slam.keyframePoses()));
+  results.times.writeCsv(folder + "/timing.csv");
+  const std::vector<LabelledPoint> cloud = results.dense.cloud();
   if (dense.enabled) {
     writePcd(cloud, folder + "/cloud.pcd");
-    system.dense().saveOctomap(folder + "/map.ot");
+    results.dense.saveOctomap(folder + "/map.ot");
   }
   report_.posed = trajectory.size();
-  report_.keyframes = system.slam().keyframeCount();
-  report_.landmarks = system.slam().landmarkCount();
+  report_.keyframes = results.slam.keyframeCount();
+  report_.landmarks = results.slam.landmarkCount();
   report_.cloud_points = cloud.size();
-  report_.keyframes_passed_over = system.keyframesPassedOver();
-  report_.voxels = system.dense().voxels();
-  report_.stages = system.times().summarize();
+  report_.voxels = results.dense.voxels();
+  report_.stages = results.times.summarize();
   report_.peak_memory_mb = peakMemoryMb();
   scoreTrajectory(source.groundTruth(), trajectory, report_);
   writeTextAtomically(folder + "/summary.json", toJson(report_));
-  writeOverview(folder + "/overview.png", system, dense, source, trajectory, cloud);
+  writeOverview(folder + "/overview.png", results.dense.labels(), dense, source, trajectory, cloud);
 }
 
-void RunRecorder::writeOverview(const std::string& path, const SlamSystem& system, const DenseConfig& dense,
+void RunRecorder::writeOverview(const std::string& path, const LabelSet& labels, const DenseConfig& dense,
                                 const FrameSource& source, const std::vector<TimedPose>& trajectory,
                                 const std::vector<LabelledPoint>& cloud) const {
   OverviewContent content;
@@ -95,7 +88,7 @@ void RunRecorder::writeOverview(const std::string& path, const SlamSystem& syste
   content.subtitle = headline(report_);
   content.cloud = cloud;
   content.cloud_resolution_m = dense.cloud_resolution_m;
-  content.labels = system.labels();
+  content.labels = labels;
   content.trajectory = trajectory;
   content.truth = source.groundTruth();
   content.absolute = report_.absolute;

@@ -5,10 +5,13 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "core/dense/dense_mapper.h"
 #include "eval/run_report.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
+#include "semantic_vslam/core/dense/dense_result.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/io/frame_source.h"
-#include "semantic_vslam/core/pipeline/slam_system.h"
+#include "semantic_vslam/core/pipeline/step_result.h"
 
 namespace semantic_vslam {
 
@@ -22,9 +25,15 @@ class RunRecorder {
   void add(const RgbdFrame& frame, const StepResult& step, const cv::Mat1b& truth);
   RunReport& report() { return report_; }
 
+  /// What a finished run holds.
+  struct Results {
+    const SparseSlam& slam;
+    const DenseMapper& dense;
+    const StageTimes& times;
+  };
   /// Writes trajectory.txt, keyframes.txt, timing.csv, cloud.pcd, map.ot, summary.json and overview.png, and completes
-  /// the report by what they hold. @param system  finished  @throws FileError
-  void writeResults(const std::string& folder, const SlamSystem& system, const DenseConfig& dense,
+  /// the report by what they hold. @throws FileError
+  void writeResults(const std::string& folder, const Results& results, const DenseConfig& dense,
                     const FrameSource& source);
 
  private:
@@ -36,7 +45,7 @@ class RunRecorder {
     cv::Mat1b dynamic;
   };
 
-  void writeOverview(const std::string& path, const SlamSystem& system, const DenseConfig& dense,
+  void writeOverview(const std::string& path, const LabelSet& labels, const DenseConfig& dense,
                      const FrameSource& source, const std::vector<TimedPose>& trajectory,
                      const std::vector<LabelledPoint>& cloud) const;
 

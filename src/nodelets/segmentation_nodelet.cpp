@@ -3,36 +3,30 @@
 #include <semantic_vslam/KeyframePoseArray.h>
 #include <semantic_vslam/KeyframeStamped.h>
 #include <semantic_vslam/LabelInfo.h>
+#include <std_msgs/Header.h>
 
 #include <atomic>
 #include <memory>
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
+#include <vector>
 
-#include "core/runtime/worker.h"
+#include "core/runtime/label_runner.h"
 #include "core/segmentation/label_picture.h"
-#include "core/segmentation/segmentation_stage.h"
 #include "ros/conversions.h"
-#include "ros/kept_frames.h"
 #include "ros/parameters.h"
+#include "ros/rgbd_converter.h"
+#include "ros/rgbd_subscriber.h"
 #include "ros/stage_nodelet.h"
 #include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
 
-/// The mapping nodelet decides what moves: no phi here.
-struct LabellingConfig : SegmentationConfig {
-  template <class Visitor>
-  void visit(Visitor& v) {
-    visitLabelling(v);
-  }
-};
-
 struct SegmentationNodeletConfig {
   double budget_ms = 500.0;
-  KeptFramesConfig frames;
-  LabellingConfig segmentation;
+  KeptInputConfig frames;
+  SegmentationConfig segmentation;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -43,10 +37,8 @@ struct SegmentationNodeletConfig {
   }
 };
 
-/// Images of keyframes -> segmentation/labels (mono8, index into label_info), segmentation/label_info (latched),
-/// segmentation/overlay when watched. While the tracker has no keyframe every image is offered, so that it can
-/// initialise without people, and twice a second where no keyframes come. Newest wins: what the network has no time
-/// for is never labelled.
+/// Images of keyframes, and of what tracking/labels_wanted names -> segmentation/labels (mono8, index into label_info),
+/// segmentation/label_info (latched), segmentation/overlay when watched.
 class SegmentationNodelet final : public StageNodelet {
  public:
   ~SegmentationNodelet() override { stop(); }
@@ -54,129 +46,107 @@ class SegmentationNodelet final : public StageNodelet {
  private:
   void start() override;
   void stop() override;
-  void run(ros::NodeHandle nh, ros::NodeHandle private_nh);
-  void report(StageDiagnostics::Status& status);
-  void openNetwork();
+  std::optional<LabelStage> openNetwork();
+  void run(LabelStage stage, ros::NodeHandle nh, ros::NodeHandle private_nh);
   std::string problem() const;
-  void onKeyframe(const KeyframeStampedConstPtr& message);
-  void onKeyframePoses(const KeyframePoseArrayConstPtr& message);
-
-  /// Whether an image is to be labelled although it is no keyframe.
-  bool isWanted(Stamp stamp) const;
-
-  // Worker thread
-  void step(Stamp stamp);
-  void publish(const std_msgs::Header& header, const RgbdFrame& frame, const cv::Mat1b& labels);
+  void report(StageDiagnostics::Status& status);
+  void publish(const RgbdFrame& frame, const FrameLabels& labels);
 
   SegmentationNodeletConfig config_;
-  std::optional<SegmentationStage> stage_;  // worker only; none without a network
   std::atomic<bool> network_failed_{false};
-  std::atomic<bool> images_kept_{false};  // the worker can get at them
-  std::atomic<bool> keyframe_seen_{false};
-  std::atomic<Stamp> last_labelled_{Stamp()};
-
+  std::optional<RgbdConverter> converter_;  // runner only
+  std_msgs::Header header_;                 // runner only; of the image in work
   ros::Publisher labels_publisher_, info_publisher_, overlay_publisher_;
   std::unique_ptr<StageDiagnostics> diagnostics_;
-  std::unique_ptr<Worker<Stamp>> worker_;
-  ros::Subscriber keyframe_subscriber_, keyframe_poses_subscriber_;
-  std::unique_ptr<KeptFrames> frames_;
+  std::unique_ptr<LabelRunner> runner_;
+  // Last, so that callbacks stop before what they use is gone.
+  std::vector<ros::Subscriber> subscribers_;
+  std::unique_ptr<RgbdSubscriber> input_;
 };
-
-void SegmentationNodelet::stop() {
-  keyframe_subscriber_.shutdown();
-  keyframe_poses_subscriber_.shutdown();
-  if (diagnostics_) diagnostics_->stop();
-  if (frames_) frames_->close();
-  worker_.reset();
-  frames_.reset();
-  diagnostics_.reset();
-  for (ros::Publisher* publisher : {&labels_publisher_, &info_publisher_, &overlay_publisher_}) publisher->shutdown();
-}
-
-/// A network that does not load costs the labels, not the robot: everything else goes on with motion detection.
-void SegmentationNodelet::openNetwork() {
-  try {
-    stage_.emplace(config_.segmentation);
-    if (!stage_->enabled()) stage_.reset();  // no model is configured; the stage has said so
-  } catch (const ModelError& error) {
-    NODELET_ERROR("%s; going on without labels", error.what());
-    network_failed_ = true;
-  }
-}
-
-std::string SegmentationNodelet::problem() const {
-  if (network_failed_) return "the network failed: there are no labels";
-  return frames_ ? frames_->missing() : std::string();
-}
 
 void SegmentationNodelet::start() {
   ros::NodeHandle nh = getNodeHandle(), private_nh = getPrivateNodeHandle();
   config_ = loadParameters<SegmentationNodeletConfig>(private_nh);
-  openNetwork();
-  if (!stage_ && !network_failed_) return;
+  std::optional<LabelStage> stage = openNetwork();
+  if (!stage && !network_failed_) return;
   diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "segmentation", config_.budget_ms);
-  if (stage_) run(nh, private_nh);
+  if (stage) run(std::move(*stage), nh, private_nh);
   diagnostics_->start(nh,
-                      {[this] { return problem(); }, [this] { return worker_ ? worker_->counters() : QueueCounters(); },
+                      {[this] { return problem(); }, [this] { return runner_ ? runner_->counters() : QueueCounters(); },
                        [this](StageDiagnostics::Status& status) { report(status); }});
 }
 
-void SegmentationNodelet::run(ros::NodeHandle nh, ros::NodeHandle private_nh) {
+/// A network that does not load costs the labels, not the robot: everything else goes on with motion detection.
+std::optional<LabelStage> SegmentationNodelet::openNetwork() {
+  try {
+    LabelStage stage(config_.segmentation);
+    if (stage.enabled()) return stage;  // else no model is configured; the stage has said so
+  } catch (const ModelError& error) {
+    NODELET_ERROR("%s; going on without labels", error.what());
+    network_failed_ = true;
+  }
+  return std::nullopt;
+}
+
+void SegmentationNodelet::run(LabelStage stage, ros::NodeHandle nh, ros::NodeHandle private_nh) {
   labels_publisher_ = nh.advertise<sensor_msgs::Image>("segmentation/labels", 5);
   overlay_publisher_ = nh.advertise<sensor_msgs::Image>("segmentation/overlay", 1);
   info_publisher_ = nh.advertise<LabelInfo>("segmentation/label_info", 1, true);
-  info_publisher_.publish(toRos(stage_->labels()));
-
-  worker_ = std::make_unique<Worker<Stamp>>(
-      1, QueuePolicy::kDropOldest, [this](Stamp stamp) { step(stamp); }, WorkerPriority::kKeyframes);
-  frames_ = std::make_unique<KeptFrames>(nh, private_nh, config_.frames, [this](Stamp stamp) {
-    if (isWanted(stamp)) worker_->push(stamp);
+  info_publisher_.publish(toRos(stage.labels()));
+  converter_.emplace(config_.frames.input);
+  runner_ = std::make_unique<LabelRunner>(
+      std::move(stage), config_.frames.kept_frames,
+      [this](const RgbdFrame& frame, const FrameLabels& labels, StepTime time) {
+        publish(frame, labels);
+        diagnostics_->record(frame.stamp, time);
+      },
+      [this] {
+        network_failed_ = true;
+        labels_publisher_.shutdown();  // so that nobody waits for labels any more
+      });
+  subscribers_.push_back(nh.subscribe<KeyframeStamped>(
+      "tracking/keyframe", 10,
+      [this](const KeyframeStampedConstPtr& keyframe) { runner_->ask(fromRos(keyframe->header.stamp)); }));
+  subscribers_.push_back(nh.subscribe<std_msgs::Header>(
+      "tracking/labels_wanted", 1,
+      [this](const std_msgs::HeaderConstPtr& image) { runner_->ask(fromRos(image->stamp)); }));
+  subscribers_.push_back(nh.subscribe<KeyframePoseArray>(
+      "tracking/keyframe_poses", 1, [this](const KeyframePoseArrayConstPtr& map) { runner_->take(fromRos(*map)); }));
+  input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.frames.input, [this](const RgbdMessages& messages) {
+    PendingFrame pending = converter_->pending(messages);
+    pending.decode = [this, messages] {
+      header_ = messages.rgb->header;
+      return converter_->convert(messages);
+    };
+    runner_->offer(std::move(pending));
   });
-  images_kept_ = true;
-  keyframe_subscriber_ = nh.subscribe("tracking/keyframe", 10, &SegmentationNodelet::onKeyframe, this);
-  keyframe_poses_subscriber_ = nh.subscribe("tracking/keyframe_poses", 1, &SegmentationNodelet::onKeyframePoses, this);
 }
 
-bool SegmentationNodelet::isWanted(Stamp stamp) const {
-  if (!images_kept_) return false;
-  if (!keyframe_seen_) return true;
-  return worker_->idle() && config_.segmentation.labelsAreDue(last_labelled_, stamp);
+void SegmentationNodelet::stop() {
+  subscribers_.clear();
+  if (diagnostics_) diagnostics_->stop();
+  if (runner_) runner_->close();
+  input_.reset();
+  runner_.reset();
+  diagnostics_.reset();
+  for (ros::Publisher* publisher : {&labels_publisher_, &info_publisher_, &overlay_publisher_}) publisher->shutdown();
+}
+
+std::string SegmentationNodelet::problem() const {
+  if (network_failed_) return "the network failed: there are no labels";
+  return input_ ? input_->missing() : std::string();
 }
 
 void SegmentationNodelet::report(StageDiagnostics::Status& status) {
-  if (frames_) frames_->report(*diagnostics_, status);
+  if (!runner_) return;
+  diagnostics_->addFault(status, "frames refused", converter_->refused());
+  diagnostics_->addFault(status, "keyframes without images", runner_->withoutImages());
 }
 
-void SegmentationNodelet::onKeyframe(const KeyframeStampedConstPtr& message) {
-  keyframe_seen_ = true;
-  worker_->push(fromRos(message->header.stamp));
-}
-
-void SegmentationNodelet::onKeyframePoses(const KeyframePoseArrayConstPtr& message) {
-  keyframe_seen_ = !message->keyframes.empty();  // a tracker that dropped its map will start again
-}
-
-void SegmentationNodelet::step(Stamp stamp) {
-  if (network_failed_ || stamp == last_labelled_) return;  // labelled before it was named a keyframe
-  const std::optional<RgbdMessages> messages = frames_->waitFor(stamp);
-  if (!messages) return;
-  const StageDiagnostics::Step timer(*diagnostics_, stamp);
-  const std::optional<RgbdFrame> frame = frames_->convert(*messages);
-  if (!frame) return;
-  const cv::Mat1b labels = stage_->process(*frame);
-  if (!labels.empty()) {
-    publish(messages->rgb->header, *frame, labels);
-    last_labelled_ = stamp;
-  }
-  if (stage_->enabled()) return;
-  network_failed_ = true;
-  labels_publisher_.shutdown();  // so that nobody waits for labels any more
-}
-
-void SegmentationNodelet::publish(const std_msgs::Header& header, const RgbdFrame& frame, const cv::Mat1b& labels) {
-  labels_publisher_.publish(toRos(header, "mono8", labels));
+void SegmentationNodelet::publish(const RgbdFrame& frame, const FrameLabels& labels) {
+  labels_publisher_.publish(toRos(header_, "mono8", labels.labels));
   if (overlay_publisher_.getNumSubscribers() > 0) {
-    overlay_publisher_.publish(toRos(header, "bgr8", drawLabels(frame.bgr, labels, stage_->labels())));
+    overlay_publisher_.publish(toRos(header_, "bgr8", drawLabels(frame.bgr, labels.labels, runner_->labels())));
   }
 }
 

@@ -1,17 +1,19 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <std_msgs/Header.h>
+
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "core/runtime/worker.h"
+#include "core/pipeline/sparse_slam.h"
+#include "core/runtime/tracking_runner.h"
 #include "ros/conversions.h"
-#include "ros/motion_mask_input.h"
+#include "ros/motion_input.h"
 #include "ros/parameters.h"
 #include "ros/rgbd_converter.h"
 #include "ros/rgbd_subscriber.h"
@@ -20,22 +22,19 @@
 #include "ros/tracking_publisher.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/io/trajectory.h"
-#include "semantic_vslam/core/pipeline/sparse_slam.h"
 
 namespace semantic_vslam {
-
-// A driver's clock or the network may put frames out of order by less than this.
-constexpr double kLongestDisorderS = 5.0;
 
 struct TrackingNodeletConfig {
   double budget_ms = 33.0;
   double path_period_s = 0.5;
   std::string map_file = "map.slam";
   std::string trajectory_file = "trajectory.txt";
-  MotionMaskConfig masks;
+  TrackingWaits waits;
   RgbdInputConfig input;
   FramesConfig frames;
   InitialPoseConfig initial_pose;
+  RemovalConfig removal;
   SparseSlamConfig slam;
 
   template <class Visitor>
@@ -44,16 +43,17 @@ struct TrackingNodeletConfig {
     v.field("path_period_s", path_period_s, 0.05, 60.0, "s between publications of the path");
     v.text("map_file", map_file, "sparse map that ~save_map writes and ~load_map reads");
     v.text("trajectory_file", trajectory_file, "where ~save_trajectory writes, TUM format, optical frame in the map");
-    masks.visit(v);
+    waits.visit(v);
     v.group("input", input);
     v.group("frames", frames);
     v.group("initial_pose", initial_pose);
+    v.group("removal", removal);
     slam.visit(v);  // tracking and mapping, as in a configuration file
   }
 };
 
-/// Images and motion masks -> pose on tf and tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points}.
-/// Owner of the sparse map.
+/// Images and motion masks -> pose on tf and tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points},
+/// and tracking/labels_wanted while the start waits for labels. Owner of the sparse map.
 class TrackingNodelet final : public StageNodelet {
  public:
   ~TrackingNodelet() override { stop(); }
@@ -61,193 +61,177 @@ class TrackingNodelet final : public StageNodelet {
  private:
   void start() override;
   void stop() override;
+  void run(ros::NodeHandle nh, std::uint32_t first_map_id);
+  void subscribe(ros::NodeHandle nh, ros::NodeHandle private_nh);
   void advertiseServices(ros::NodeHandle private_nh);
   void report(StageDiagnostics::Status& status);
-  void dropMap();
-
-  // Worker thread
-  double clockBackS() const;
-  bool takesOlder(Stamp stamp);
-  void step(const RgbdMessages& messages);
+  std::optional<RgbdFrame> decode(const RgbdMessages& messages);
+  void onTracked(const TrackingInput& input, const TrackingOutput& output, StepTime time);
+  Running running();
 
   TrackingNodeletConfig config_;
-  std::optional<RgbdConverter> converter_;  // worker only
-  StageTimes times_;
-  std::mutex step_mutex_;             // a frame and its publication are one with the map they belong to
-  std::unique_ptr<SparseSlam> slam_;  // step() by the worker only
+  std::optional<RgbdConverter> converter_;  // runner only
+  std_msgs::Header header_;                 // runner only; of the image in work
+  std::optional<BodyTransforms> body_;      // runner only; at that image
   std::unique_ptr<TrackingPublisher> publisher_;
-  std::unique_ptr<MotionMaskInput> masks_;
-  Stamp last_stamp_;      // worker only
-  ros::Time last_clock_;  // worker only; at the frame before
   std::atomic<TrackingState> state_{TrackingState::kInitialising};
   std::atomic<int> inliers_{0};
-  std::atomic<bool> paused_{false};
-  std::atomic<std::size_t> posed_{0}, lost_{0}, without_mask_{0}, skipped_with_motion_{0}, waited_for_labels_{0},
-      out_of_order_{0};
-
+  std::atomic<std::size_t> posed_{0}, lost_{0}, keyframes_{0}, landmarks_{0}, loops_{0};
+  std::atomic<bool> paused_{false}, labels_seen_{false};
   std::unique_ptr<StageDiagnostics> diagnostics_;
-  std::unique_ptr<Worker<RgbdMessages>> worker_;
+  std::unique_ptr<TrackingRunner> runner_;
+  // Last, so that callbacks stop before what they use is gone.
   Services services_;
+  ros::Publisher labels_wanted_;
+  std::vector<ros::Subscriber> subscribers_;
+  ros::Subscriber labels_;
+  std::unique_ptr<MotionInput> motion_;
   std::unique_ptr<RgbdSubscriber> input_;
 };
-
-void TrackingNodelet::stop() {
-  services_.shutdown();
-  if (diagnostics_) diagnostics_->stop();
-  input_.reset();
-  if (masks_) masks_->close();
-  worker_.reset();
-  masks_.reset();
-  diagnostics_.reset();
-  publisher_.reset();
-}
 
 void TrackingNodelet::start() {
   ros::NodeHandle nh = getNodeHandle(), private_nh = getPrivateNodeHandle();
   config_ = loadParameters<TrackingNodeletConfig>(private_nh);
   converter_.emplace(config_.input);
-  slam_ = std::make_unique<SparseSlam>(config_.slam, SparseSlam::Mode::kBackground);
-  publisher_ = std::make_unique<TrackingPublisher>(nh, config_.frames, config_.initial_pose, config_.path_period_s);
-
+  // Ids of an earlier run of this node must not pass for ours with whoever kept its keyframes.
+  const std::uint32_t first_map_id = ros::WallTime::now().sec;
+  publisher_ = std::make_unique<TrackingPublisher>(nh, config_.frames, config_.initial_pose, config_.path_period_s,
+                                                   first_map_id);
   diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "tracking", config_.budget_ms);
-  worker_ = std::make_unique<Worker<RgbdMessages>>(config_.input.queue_size, QueuePolicy::kDropOldest,
-                                                   [this](const RgbdMessages& messages) { step(messages); });
-  masks_ = std::make_unique<MotionMaskInput>(nh, config_.masks);
+  run(nh, first_map_id);
   // Services wait for a frame or for bundle adjustment: on threads of their own, so that images still come in.
   advertiseServices(getMTPrivateNodeHandle());
-  input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.input,
-                                            [this](const RgbdMessages& messages) { worker_->push(messages); });
-  diagnostics_->start(nh, {[this] { return input_->missing(); }, [this] { return worker_->counters(); },
+  subscribe(nh, private_nh);
+  diagnostics_->start(nh, {[this] { return input_->missing(); }, [this] { return runner_->counters(); },
                            [this](StageDiagnostics::Status& status) { report(status); }});
+}
+
+void TrackingNodelet::run(ros::NodeHandle nh, std::uint32_t first_map_id) {
+  labels_wanted_ = nh.advertise<std_msgs::Header>("tracking/labels_wanted", 1);
+  TrackingRunner::Hooks hooks;
+  hooks.running = [this] { return running(); };
+  hooks.tracked = [this](const auto& input, const auto& output, StepTime time) { onTracked(input, output, time); };
+  hooks.map_changed = [this](const std::shared_ptr<const MapSnapshot>& map) {
+    keyframes_ = map->keyframes();
+    landmarks_ = map->landmarks;
+    loops_ = map->loops;
+    publisher_->publishMap(*map);
+  };
+  hooks.labels_wanted = [this](Stamp) { labels_wanted_.publish(header_); };
+  hooks.wishes = [this] { return publisher_->wishes(fromRos(header_.stamp)); };
+  runner_ = std::make_unique<TrackingRunner>(TrackingStage(config_.slam, config_.waits, config_.removal, first_map_id),
+                                             config_.waits, config_.input.queue_size, std::move(hooks));
+}
+
+/// A network that was there and is gone has broken down; one that was not seen yet may still be loading.
+Running TrackingNodelet::running() {
+  const bool network = labels_.getNumPublishers() > 0;
+  if (network) labels_seen_ = true;
+  return {motion_->runs(), network || !labels_seen_};
+}
+
+void TrackingNodelet::subscribe(ros::NodeHandle nh, ros::NodeHandle private_nh) {
+  motion_ = std::make_unique<MotionInput>(
+      nh, [this](Stamp stamp, const MotionResult& motion) { runner_->take(stamp, motion); });
+  labels_ = nh.subscribe<sensor_msgs::Image>(
+      "segmentation/labels", 2, labelsFromRos([this](const FrameLabels& labels) { runner_->take(labels); }));
+  subscribers_.push_back(nh.subscribe<LabelInfo>(
+      "segmentation/label_info", 1, [this](const LabelInfoConstPtr& info) { runner_->take(fromRos(*info)); }));
+  input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.input, [this](const RgbdMessages& messages) {
+    PendingFrame pending = converter_->pending(messages);
+    pending.decode = [this, messages] { return decode(messages); };
+    if (!paused_) runner_->push(std::move(pending));
+  });
+}
+
+std::optional<RgbdFrame> TrackingNodelet::decode(const RgbdMessages& messages) {
+  header_ = messages.rgb->header;
+  const std::optional<RgbdFrame> frame = converter_->convert(messages);
+  if (!frame) return std::nullopt;
+  body_ = publisher_->lookUp(header_);
+  return body_ ? frame : std::nullopt;  // counted; the next frame may know
+}
+
+void TrackingNodelet::onTracked(const TrackingInput& input, const TrackingOutput& output, StepTime time) {
+  state_ = output.tracking.state;
+  inliers_ = output.tracking.inliers;
+  ++(state_ == TrackingState::kOk || state_ == TrackingState::kRecentlyLost ? posed_ : lost_);
+  publisher_->publish(header_, *body_, input, output, time);
+  diagnostics_->record(input.frame.stamp, time);
 }
 
 void TrackingNodelet::advertiseServices(ros::NodeHandle private_nh) {
   services_.addTrigger(private_nh, "reset", [this] {
-    dropMap();
+    runner_->change([](TrackingStage& stage) { stage.reset(); });
+    state_ = TrackingState::kInitialising;
     return std::string("map and trajectory are dropped");
   });
   services_.addTrigger(private_nh, "save_map", [this] {
-    const std::size_t keyframes = slam_->saveMap(config_.map_file);
-    return "map of " + std::to_string(keyframes) + " keyframes saved in " + config_.map_file;
+    // Written from a copy: a slow disk must not hold up tracking.
+    Map map;
+    runner_->read([&](const TrackingStage& stage) { map = stage.slam().map(); });
+    return "map of " + std::to_string(SparseSlam::saveMap(config_.map_file, map)) + " keyframes saved in " +
+           config_.map_file;
   });
   services_.addTrigger(private_nh, "load_map", [this] {
-    SavedMap saved = slam_->readMap(config_.map_file);  // takes long: tracking goes on
-    std::lock_guard<std::mutex> lock(step_mutex_);
-    slam_->loadMap(std::move(saved));
+    const std::shared_ptr<SavedMap> saved = runner_->stage().readMap(config_.map_file);  // long: tracking goes on
+    runner_->change([&](TrackingStage& stage) {
+      publisher_->keepAnchor();
+      stage.loadMap(*saved);
+    });
     state_ = TrackingState::kLost;  // no longer initialising: the camera is looked for in the map
-    publisher_->startMap(TrackingPublisher::Anchor::kKeep);
     return "map loaded from " + config_.map_file;
   });
   services_.addTrigger(private_nh, "save_trajectory", [this] {
-    const std::vector<TimedPose> poses = publisher_->trajectory(*slam_);
+    std::vector<TimedPose> poses;
+    runner_->read([&](const TrackingStage& stage) { poses = stage.slam().trajectory(); });
+    poses = publisher_->inMap(std::move(poses));
     if (poses.empty()) throw Error("no frame has a pose yet; " + config_.trajectory_file + " is not touched");
     writeTumTrajectory(config_.trajectory_file, poses);
     return std::to_string(poses.size()) + " poses saved in " + config_.trajectory_file;
   });
   services_.addSwitch(private_nh, "pause", [this](bool on) { paused_ = on; });
-  services_.addSwitch(private_nh, "localization_only", [this](bool on) { slam_->setLocalizationOnly(on); });
+  services_.addSwitch(private_nh, "localization_only", [this](bool on) { runner_->setLocalizationOnly(on); });
 }
 
 void TrackingNodelet::report(StageDiagnostics::Status& status) {
+  const TrackingRunner::Counts counts = runner_->counts();
   status.add("state", stateName(state_));
   status.add("inliers", inliers_.load());
-  status.add("keyframes", slam_->keyframeCount());
-  status.add("landmarks", slam_->landmarkCount());
-  status.add("loops closed", slam_->loopCount());
+  status.add("keyframes", keyframes_.load());
+  status.add("landmarks", landmarks_.load());
+  status.add("loops closed", loops_.load());
   status.add("frames with a pose", posed_.load());
   status.add("frames without", lost_.load());
   status.add("paused", paused_.load());
   diagnostics_->addFault(status, "frames refused", converter_->refused());
-  status.add("frames without mask", without_mask_.load());
-  diagnostics_->addFault(status, "frames skipped as motion did", skipped_with_motion_);
-  diagnostics_->addFault(status, "frames that waited for labels", waited_for_labels_);
-  diagnostics_->addFault(status, "frames older than the one before", out_of_order_);
+  status.add("frames without mask", counts.without_mask);
+  diagnostics_->addFault(status, "frames skipped as motion did", counts.skipped_with_motion);
+  diagnostics_->addFault(status, "frames that waited for labels", counts.waited_for_labels);
+  diagnostics_->addFault(status, "frames older than the one before", counts.out_of_order);
   status.add("transforms sent", publisher_->tf().sent());
   if (diagnostics_->addFault(status, "transforms not found", publisher_->tf().failedLookups())) {
     status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN, publisher_->tf().lastFailure());
   }
-  for (const StageSummary& stage : times_.summarize()) {
+  for (const StageSummary& stage : runner_->times().summarize()) {
     status.addf("cpu median of " + stage.stage, "%.1f ms", stage.cpu.median_ms);
   }
-  times_.clear();
+  runner_->times().clear();
   if (state_ == TrackingState::kLost) status.mergeSummary(diagnostic_msgs::DiagnosticStatus::ERROR, "lost");
 }
 
-void TrackingNodelet::dropMap() {
-  std::lock_guard<std::mutex> lock(step_mutex_);
-  slam_->reset();
-  publisher_->startMap(TrackingPublisher::Anchor::kAtNextFrame);
-  masks_->restart();
-  state_ = TrackingState::kInitialising;
-}
-
-/// @return by how much a simulated clock has gone back since the last frame, s
-double TrackingNodelet::clockBackS() const {
-  return ros::Time::isSimTime() ? (last_clock_ - ros::Time::now()).toSec() : 0.0;
-}
-
-/// A recording that is played again begins a new map, unless the map is one to localise in. The map of a living camera
-/// stays, whatever its driver or the clock do: drivers step back by some seconds (librealsense's global time where the
-/// device's counter wraps, every 72 minutes), and a clock that is set may do so by any time.
-/// @return whether the frame is to be tracked though it is not newer than the one before
-bool TrackingNodelet::takesOlder(Stamp stamp) {
-  const double back_s = secondsBetween(stamp, last_stamp_);
-  const bool played_again = clockBackS() > 0.0;
-  if (played_again && !slam_->localizationOnly()) {
-    NODELET_WARN("the clock went back, as when a recording is played again: map and trajectory are dropped");
-    dropMap();
-    return true;
-  }
-  if (!played_again && back_s <= kLongestDisorderS) {
-    NODELET_WARN_THROTTLE(1.0, "stamps went back by %.3f s: frames are passed over until newer ones come", back_s);
-    return false;
-  }
-  NODELET_WARN("stamps went back by %.1f s: the map stays, the trajectory begins anew", back_s);
-  std::lock_guard<std::mutex> lock(step_mutex_);
-  slam_->startTimeAnew();
-  masks_->restart();
-  return true;
-}
-
-void TrackingNodelet::step(const RgbdMessages& messages) {
-  if (paused_) return;
-  const std_msgs::Header& image = messages.rgb->header;
-  const Stamp stamp = fromRos(image.stamp);
-  // A recording's first frames may come before its clock.
-  if ((stamp <= last_stamp_ || clockBackS() > kLongestDisorderS) && !takesOlder(stamp)) {
-    ++out_of_order_;
-    return;
-  }
-  last_stamp_ = stamp;
-  last_clock_ = ros::Time::now();
-  const std::optional<RgbdFrame> frame = converter_->convert(messages);
-  if (!frame) return;
-  const cv::Mat1b mask = masks_->maskOf(image, frame->gray.size());
-  if (mask.empty() && masks_->passedOver(stamp) && worker_->waiting() > 0) {
-    ++skipped_with_motion_;  // both stages are behind: track the frames that the motion stage had time for
-    return;
-  }
-  if (mask.empty()) ++without_mask_;
-  const std::optional<BodyTransforms> body = publisher_->lookUp(image);
-  if (!body) return;  // counted; the next frame may know
-
-  std::lock_guard<std::mutex> lock(step_mutex_);
-  if (state_ == TrackingState::kInitialising && !masks_->readyToStart(stamp, !mask.empty())) {
-    ++waited_for_labels_;
-    return;
-  }
-  const StageDiagnostics::Step timer(*diagnostics_, stamp);
-  const SparseStep result = slam_->step(*frame, mask, times_);
-  if (result.new_world) publisher_->startMap(TrackingPublisher::Anchor::kAtNextFrame);
-  state_ = result.tracking.state;
-  inliers_ = result.tracking.inliers;
-  ++(state_ == TrackingState::kOk || state_ == TrackingState::kRecentlyLost ? posed_ : lost_);
-
-  TrackedFrameReport report;
-  report.has_mask = !mask.empty();
-  if (report.has_mask) report.dynamic_share = cv::countNonZero(mask >= 128) / static_cast<double>(mask.total());
-  report.cpu_ms = timer.cpuMs();
-  publisher_->publish(image, *body, result, *slam_, report);
+void TrackingNodelet::stop() {
+  services_.shutdown();
+  if (diagnostics_) diagnostics_->stop();
+  if (runner_) runner_->close();
+  input_.reset();
+  if (motion_) motion_->shutdown();
+  labels_.shutdown();
+  subscribers_.clear();
+  runner_.reset();
+  motion_.reset();  // which the runner asks
+  diagnostics_.reset();
+  publisher_.reset();
 }
 
 }  // namespace semantic_vslam

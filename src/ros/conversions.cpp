@@ -3,6 +3,7 @@
 #include "ros/conversions.h"
 
 #include <cv_bridge/cv_bridge.h>
+#include <ros/console.h>
 #include <sensor_msgs/distortion_models.h>
 #include <sensor_msgs/image_encodings.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
@@ -227,11 +228,55 @@ KeyframePose fromRos(const KeyframeStamped& message) {
   return {KeyframeId(message.id), fromRos(message.header.stamp), fromRos(message.pose)};
 }
 
-std::vector<KeyframePose> fromRos(const KeyframePoseArray& message) {
-  std::vector<KeyframePose> poses;
-  poses.reserve(message.keyframes.size());
-  for (const KeyframeStamped& keyframe : message.keyframes) poses.push_back(fromRos(keyframe));
-  return poses;
+MapSnapshot fromRos(const KeyframePoseArray& message) {
+  MapSnapshot map;
+  map.map_id = message.map_id;
+  for (const KeyframeStamped& keyframe : message.keyframes) {
+    if (keyframe.placed) {
+      map.poses.push_back(fromRos(keyframe));
+    } else {
+      map.unplaced.push_back(KeyframeId(keyframe.id));
+    }
+  }
+  return map;
+}
+
+MotionResult fromRos(const MotionReport& report) {
+  MotionResult motion;
+  motion.model = static_cast<MotionModel>(report.model);
+  motion.inliers = static_cast<int>(report.inliers);
+  motion.dynamic_share = report.dynamic_share;
+  if (!report.labels.isZero()) motion.labels = fromRos(report.labels);
+  if (report.moving.data.empty()) return motion;
+  motion.moving = maskFromRos(boost::make_shared<sensor_msgs::Image>(report.moving));
+  return motion;
+}
+
+MotionReport toRos(const std_msgs::Header& header, const MotionResult& motion) {
+  static_assert(static_cast<int>(MotionModel::kRigidFlow) == MotionReport::MODEL_RIGID_FLOW &&
+                static_cast<int>(MotionModel::kHomography) == MotionReport::MODEL_HOMOGRAPHY);
+  MotionReport report;
+  report.header = header;
+  report.model = static_cast<std::uint8_t>(motion.model);
+  report.inliers = static_cast<std::uint32_t>(motion.inliers);
+  report.dynamic_share = static_cast<float>(motion.dynamic_share);
+  if (motion.labels) report.labels = toRos(*motion.labels);
+  if (!motion.moving.empty()) report.moving = *toRos(header, "mono8", motion.moving);
+  return report;
+}
+
+KeyframeNotice noticeFromRos(const KeyframeStamped& message) {
+  return {KeyframeId(message.id), message.map_id, fromRos(message.header.stamp)};
+}
+
+boost::function<void(const sensor_msgs::ImageConstPtr&)> labelsFromRos(std::function<void(FrameLabels)> sink) {
+  return [sink = std::move(sink)](const sensor_msgs::ImageConstPtr& message) {
+    try {
+      sink({fromRos(message->header.stamp), maskFromRos(message)});
+    } catch (const Error& error) {
+      ROS_ERROR_THROTTLE(5.0, "labels refused: %s", error.what());
+    }
+  };
 }
 
 KeyframeStamped toRos(const KeyframePose& pose, const std::string& map_frame, std::uint32_t map_id) {

@@ -11,13 +11,16 @@
 #include <semantic_vslam/KeyframePoseArray.h>
 #include <semantic_vslam/KeyframeStamped.h>
 #include <semantic_vslam/LabelInfo.h>
+#include <semantic_vslam/MotionReport.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <boost/array.hpp>
+#include <boost/function.hpp>
 #include <cstdint>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -25,11 +28,14 @@
 #include "core/dense/keyframe_cloud.h"
 #include "core/dense/map_objects.h"
 #include "core/dense/occupancy_grid.h"
-#include "core/dense/semantic_octree.h"
+#include "core/dense/octomap_export.h"
 #include "semantic_vslam/core/camera/camera_model.h"
 #include "semantic_vslam/core/common/label_set.h"
 #include "semantic_vslam/core/common/stamp.h"
 #include "semantic_vslam/core/geometry/se3.h"
+#include "semantic_vslam/core/map/keyframe_pose.h"
+#include "semantic_vslam/core/motion/motion_result.h"
+#include "semantic_vslam/core/pipeline/messages.h"
 
 /// Between the messages of ROS and the values of the core.
 namespace semantic_vslam {
@@ -82,7 +88,13 @@ LabelSet fromRos(const LabelInfo& info);
 LabelInfo toRos(const LabelSet& labels);
 
 KeyframePose fromRos(const KeyframeStamped& message);
-std::vector<KeyframePose> fromRos(const KeyframePoseArray& message);
+KeyframeNotice noticeFromRos(const KeyframeStamped& message);
+/// All but the mask, which has a topic of its own. @throws Error if `moving` is no image
+MotionResult fromRos(const MotionReport& report);
+MotionReport toRos(const std_msgs::Header& header, const MotionResult& motion);
+/// A callback for a topic of label images; what is no such image is said in the log.
+boost::function<void(const sensor_msgs::ImageConstPtr&)> labelsFromRos(std::function<void(FrameLabels)> sink);
+MapSnapshot fromRos(const KeyframePoseArray& message);
 KeyframeStamped toRos(const KeyframePose& pose, const std::string& map_frame, std::uint32_t map_id);
 
 /// Unordered cloud with the fields x y z (float32, metres), rgb (packed, as rviz and PCL expect) and label (uint8).

@@ -42,4 +42,8 @@ std::optional<RgbdFrame> RgbdConverter::convert(const RgbdMessages& messages) {
   }
 }
 
+PendingFrame RgbdConverter::pending(const RgbdMessages& messages) {
+  return {fromRos(messages.rgb->header.stamp), messages.recording, [this, messages] { return convert(messages); }};
+}
+
 }  // namespace semantic_vslam

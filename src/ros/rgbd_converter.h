@@ -11,6 +11,7 @@
 #include "ros/log_throttle.h"
 #include "ros/rgbd_subscriber.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
+#include "semantic_vslam/core/pipeline/keyframe_inputs.h"
 
 namespace semantic_vslam {
 
@@ -22,6 +23,9 @@ class RgbdConverter {
 
   /// @return nothing if the pair is unusable (encoding, size, calibration): counted, and said in the log, throttled.
   std::optional<RgbdFrame> convert(const RgbdMessages& messages);
+
+  /// The same for a stage to call when it needs the frame. This object must outlive what is returned.
+  PendingFrame pending(const RgbdMessages& messages);
 
   std::size_t refused() const { return refused_; }
 

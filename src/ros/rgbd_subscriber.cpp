@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/common/stamp_order.h"
 #include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
@@ -72,7 +73,8 @@ void RgbdSubscriber::onInfo(const sensor_msgs::CameraInfoConstPtr& info) {
 }
 
 void RgbdSubscriber::onPair(const sensor_msgs::ImageConstPtr& rgb, const sensor_msgs::ImageConstPtr& depth) {
-  RgbdMessages messages{pairs_, rgb, depth, nullptr};
+  if (clockWentBack(rgb->header.stamp)) ++recording_;
+  RgbdMessages messages{recording_, pairs_, rgb, depth, nullptr};
   {
     std::lock_guard<std::mutex> lock(mutex_);
     if (config_.camera_file.empty()) {
@@ -83,6 +85,17 @@ void RgbdSubscriber::onPair(const sensor_msgs::ImageConstPtr& rgb, const sensor_
   }
   ++pairs_;
   sink_(messages);
+}
+
+/// A recording's first images may come before its clock: then the clock goes back after them.
+bool RgbdSubscriber::clockWentBack(ros::Time image) {
+  if (!ros::Time::isSimTime()) return false;
+  const ros::Time clock = ros::Time::now();
+  const double back_s = (last_clock_ - clock).toSec();
+  const bool went_back = back_s > (image <= last_image_ ? 0.0 : StampOrder::kLongestDisorderS);
+  last_clock_ = clock;
+  last_image_ = image;
+  return went_back;
 }
 
 std::string RgbdSubscriber::missing() const {

@@ -46,9 +46,23 @@ struct RgbdInputConfig {
   }
 };
 
+/// For stages that are told late which frames they need.
+struct KeptInputConfig {
+  int kept_frames = 30;
+  RgbdInputConfig input;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("kept_frames", kept_frames, 2, 300,
+            "newest images that wait for the tracker to name one of them; 30 are a second and 60 MB at 640x480");
+    v.group("input", input);
+  }
+};
+
 /// A pair as received. Converting it is the worker's job, so that the callbacks return at once.
 struct RgbdMessages {
-  std::uint64_t index = 0;  ///< counts the pairs received, so that it tells how many were dropped between two
+  std::uint32_t recording = 0;  ///< see StampOrder: grows when the clock of a recording goes back
+  std::uint64_t index = 0;      ///< counts the pairs received, so that it tells how many were dropped between two
   sensor_msgs::ImageConstPtr rgb, depth;
   sensor_msgs::CameraInfoConstPtr info;  ///< null where a camera file is used
 };
@@ -76,6 +90,8 @@ class RgbdSubscriber {
   void onPair(const sensor_msgs::ImageConstPtr& rgb, const sensor_msgs::ImageConstPtr& depth);
   void onInfo(const sensor_msgs::CameraInfoConstPtr& info);
 
+  bool clockWentBack(ros::Time image);
+
   const RgbdInputConfig config_;
   const int pairing_queue_;  // images of one stream that wait for their partner
   const Sink sink_;
@@ -83,6 +99,8 @@ class RgbdSubscriber {
   mutable std::mutex mutex_;
   sensor_msgs::CameraInfoConstPtr info_;  // guarded by mutex_
   ros::SteadyTime last_pair_;             // guarded by mutex_
+  ros::Time last_clock_, last_image_;     // callback thread only; at the pair before, simulated time only
+  std::uint32_t recording_ = 0;           // callback thread only
 
   // Last, so that callbacks stop before what they use is gone.
   image_transport::ImageTransport transport_;

@@ -33,13 +33,6 @@ void installRosLogSink() {
   });
 }
 
-StageDiagnostics::Step::Step(StageDiagnostics& diagnostics, Stamp stamp)
-    : diagnostics_(diagnostics), stamp_(stamp), cpu_begin_ms_(threadCpuMs()), wall_begin_(ros::SteadyTime::now()) {}
-
-StageDiagnostics::Step::~Step() {
-  diagnostics_.record(stamp_, (ros::SteadyTime::now() - wall_begin_).toSec() * 1e3, cpuMs());
-}
-
 StageDiagnostics::StageDiagnostics(ros::NodeHandle nh, ros::NodeHandle private_nh, const std::string& node_name,
                                    const std::string& stage, double budget_ms)
     : budget_ms_(budget_ms), last_report_(ros::SteadyTime::now()), updater_(nh, private_nh, node_name) {
@@ -54,10 +47,10 @@ void StageDiagnostics::start(ros::NodeHandle nh, Sources sources) {
       nh.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { updater_.force_update(); });
 }
 
-void StageDiagnostics::record(Stamp stamp, double wall_ms, double cpu_ms) {
+void StageDiagnostics::record(Stamp stamp, StepTime time) {
   std::lock_guard<std::mutex> lock(mutex_);
-  wall_ms_.push_back(wall_ms);
-  cpu_ms_.push_back(cpu_ms);
+  wall_ms_.push_back(time.wall_ms);
+  cpu_ms_.push_back(time.cpu_ms);
   newest_ = stamp;
   ++steps_;
 }

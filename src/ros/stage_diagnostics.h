@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/runtime/bounded_queue.h"
-#include "semantic_vslam/core/common/stage_timing.h"
+#include "core/runtime/step_clock.h"
 #include "semantic_vslam/core/common/stamp.h"
 
 namespace semantic_vslam {
@@ -46,25 +46,10 @@ class StageDiagnostics {
   /// @return whether it has grown since the last report
   bool addFault(Status& status, const std::string& name, std::size_t count);
 
-  /// Times one step from construction to destruction, on one thread.
-  class Step {
-   public:
-    Step(StageDiagnostics& diagnostics, Stamp stamp);
-    ~Step();
-    Step(const Step&) = delete;
-    Step& operator=(const Step&) = delete;
-    /// CPU time of the thread since construction.
-    double cpuMs() const { return threadCpuMs() - cpu_begin_ms_; }
-
-   private:
-    StageDiagnostics& diagnostics_;
-    const Stamp stamp_;
-    const double cpu_begin_ms_;
-    const ros::SteadyTime wall_begin_;
-  };
+  /// Enters a step of the stage, from any thread.
+  void record(Stamp stamp, StepTime time);
 
  private:
-  void record(Stamp stamp, double wall_ms, double cpu_ms);
   void fill(Status& status);
 
   const double budget_ms_;

@@ -4,6 +4,7 @@
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <nav_msgs/Path.h>
+#include <semantic_vslam/KeyframePoseArray.h>
 #include <semantic_vslam/KeyframeStamped.h>
 #include <semantic_vslam/TrackingReport.h>
 
@@ -29,7 +30,7 @@ std::uint8_t stateCode(TrackingState state) {
 }
 
 /// Mean velocity since the last tracked frame, in the body's axes.
-geometry_msgs::TwistWithCovariance bodyVelocity(const TrackingResult& tracking, const SE3& T_camera_body) {
+geometry_msgs::TwistWithCovariance bodyVelocity(const TrackingEstimate& tracking, const SE3& T_camera_body) {
   geometry_msgs::TwistWithCovariance velocity;
   if (!tracking.last_step) {
     constexpr double kUnknown = 1e6;  // (m/s)^2, (rad/s)^2: a filter must not take this for standing still
@@ -55,13 +56,13 @@ SE3 InitialPoseConfig::transform() const {
 }
 
 TrackingPublisher::TrackingPublisher(ros::NodeHandle nh, const FramesConfig& frames,
-                                     const InitialPoseConfig& initial_pose, double path_period_s)
+                                     const InitialPoseConfig& initial_pose, double path_period_s,
+                                     std::uint32_t first_map_id)
     : frames_(frames),
       initial_pose_(initial_pose),
       path_period_s_(path_period_s),
       tf_(nh, frames),
-      // Ids of an earlier run of this node must not pass for ours with whoever kept its keyframes.
-      map_id_(ros::WallTime::now().sec) {
+      map_id_(first_map_id) {
   odometry_ = nh.advertise<nav_msgs::Odometry>("tracking/odometry", 30);
   pose_ = nh.advertise<geometry_msgs::PoseWithCovarianceStamped>("tracking/pose", 30);
   path_ = nh.advertise<nav_msgs::Path>("tracking/path", 1, true);
@@ -71,28 +72,18 @@ TrackingPublisher::TrackingPublisher(ros::NodeHandle nh, const FramesConfig& fra
   points_ = nh.advertise<sensor_msgs::PointCloud2>("tracking/points", 1);
 }
 
-void TrackingPublisher::startMap(Anchor anchor) {
-  ++map_id_;
-  if (anchor == Anchor::kAtNextFrame) {
-    std::lock_guard<std::mutex> lock(mutex_);
-    T_map_world_.reset();
-  }
-  KeyframePoseArray nothing;
-  nothing.header.frame_id = frames_.map_frame;
-  nothing.map_id = map_id_;
-  publishKeyframePoses(nothing);
+TrackingWishes TrackingPublisher::wishes(Stamp now) const {
+  const bool path_is_due = now < last_path_ || secondsBetween(last_path_, now) >= path_period_s_;
+  return {path_is_due && path_.getNumSubscribers() > 0 ? kLongestPath : 0, points_.getNumSubscribers() > 0};
 }
 
-void TrackingPublisher::publish(const std_msgs::Header& image, const BodyTransforms& body, const SparseStep& step,
-                                const SparseSlam& slam, const TrackedFrameReport& report) {
-  anchorMap(body.T_camera_body);
-  const TrackingState state = step.tracking.state;
-  if (state == TrackingState::kOk || state == TrackingState::kRecentlyLost) {
-    publishPose(image, body, step.tracking);
-  }
-  publishKeyframes(step, slam, image);
-  publishPaths(image, slam);
-  publishState(image, step, slam, report);
+/// Another map than before: where its world lies is not known yet.
+void TrackingPublisher::follow(const MapSnapshot& map) {
+  if (map.map_id == map_id_) return;
+  map_id_ = map.map_id;
+  if (keep_anchor_.exchange(false)) return;
+  std::lock_guard<std::mutex> lock(mutex_);
+  T_map_world_.reset();
 }
 
 void TrackingPublisher::anchorMap(const SE3& T_camera_body) {
@@ -102,8 +93,21 @@ void TrackingPublisher::anchorMap(const SE3& T_camera_body) {
   T_map_world_ = initial_pose_.transform() * (frames_.base_frame.empty() ? bodyFromOptical() : T_camera_body.inverse());
 }
 
+void TrackingPublisher::publish(const std_msgs::Header& image, const BodyTransforms& body, const TrackingInput& input,
+                                const TrackingOutput& output, StepTime time) {
+  newest_image_ = input.frame.stamp;
+  follow(*output.map);
+  anchorMap(body.T_camera_body);
+  const TrackingState state = output.tracking.state;
+  if (state == TrackingState::kOk || state == TrackingState::kRecentlyLost) publishPose(image, body, output.tracking);
+  publishKeyframes(image, output);
+  if (!output.path.empty()) publishPath(image, output.path);
+  publishState(image, input, output, time);
+  if (not_anchored_) publishMap(MapSnapshot(*not_anchored_));
+}
+
 void TrackingPublisher::publishPose(const std_msgs::Header& image, const BodyTransforms& body,
-                                    const TrackingResult& tracking) {
+                                    const TrackingEstimate& tracking) {
   const SE3 T_map_camera = *T_map_world_ * tracking.T_camera_world.inverse();
   const SE3 T_map_body = T_map_camera * body.T_camera_body;
   tf_.publish(image, T_map_body, body.T_body_odom);
@@ -123,63 +127,53 @@ void TrackingPublisher::publishPose(const std_msgs::Header& image, const BodyTra
   pose_.publish(pose);
 }
 
-KeyframePoseArray TrackingPublisher::keyframePoses(const SparseSlam& slam, const std_msgs::Header& image) const {
-  KeyframePoseArray poses;
-  poses.header.stamp = image.stamp;
-  poses.header.frame_id = frames_.map_frame;
-  poses.map_id = map_id_;
-  for (KeyframePose& pose : slam.keyframePoses()) {
-    pose.T_world_camera = *T_map_world_ * pose.T_world_camera;
-    poses.keyframes.push_back(toRos(pose, frames_.map_frame, map_id_));
+void TrackingPublisher::publishKeyframes(const std_msgs::Header& image, const TrackingOutput& output) {
+  const std::vector<KeyframePose>& poses = output.map->poses;
+  for (const KeyframeNotice& notice : output.keyframes) {
+    const auto placed =
+        std::find_if(poses.begin(), poses.end(), [&](const KeyframePose& pose) { return pose.keyframe == notice.id; });
+    KeyframePose pose{notice.id, notice.stamp, SE3::Identity()};
+    if (placed != poses.end()) pose.T_world_camera = *T_map_world_ * placed->T_world_camera;
+    KeyframeStamped message = toRos(pose, frames_.map_frame, notice.map_id);
+    message.placed = placed != poses.end();
+    keyframe_.publish(message);
   }
-  return poses;
-}
-
-void TrackingPublisher::publishKeyframePoses(KeyframePoseArray poses) {
-  keyframe_poses_.publish(poses);
-  last_keyframe_poses_ = std::move(poses);
-}
-
-void TrackingPublisher::publishKeyframes(const SparseStep& step, const SparseSlam& slam,
-                                         const std_msgs::Header& image) {
-  if (!step.first_keyframe && !step.keyframe) return;
-  const KeyframePoseArray poses = keyframePoses(slam, image);
-  if (step.first_keyframe) publishKeyframe(*step.first_keyframe, step.first_stamp, poses, slam);
-  if (step.keyframe) publishKeyframe(*step.keyframe, fromRos(image.stamp), poses, slam);
-  publishKeyframePoses(poses);
-  if (points_.getNumSubscribers() == 0) return;
-  std::vector<Eigen::Vector3d> points = slam.landmarkPositions();
+  if (output.points.empty()) return;
+  std::vector<Eigen::Vector3d> points = output.points;
   for (Eigen::Vector3d& point : points) point = *T_map_world_ * point;
-  points_.publish(toRos(points, poses.header));
+  std_msgs::Header header = image;
+  header.frame_id = frames_.map_frame;
+  points_.publish(toRos(points, header));
 }
 
-/// Names a keyframe at once, also where its pose must wait for the new map to be joined: its images would be gone then.
-void TrackingPublisher::publishKeyframe(KeyframeId id, Stamp stamp, const KeyframePoseArray& poses,
-                                        const SparseSlam& slam) {
-  const auto placed = std::find_if(poses.keyframes.begin(), poses.keyframes.end(),
-                                   [&](const KeyframeStamped& keyframe) { return KeyframeId(keyframe.id) == id; });
-  if (placed != poses.keyframes.end()) {
-    keyframe_.publish(*placed);
-  } else if (slam.holds(id)) {
-    KeyframeStamped keyframe = toRos(KeyframePose{id, stamp, SE3::Identity()}, frames_.map_frame, map_id_);
-    keyframe.placed = false;
-    keyframe_.publish(keyframe);
+void TrackingPublisher::publishMap(const MapSnapshot& map) {
+  follow(map);
+  not_anchored_.reset();
+  if (!T_map_world_ && map.keyframes() > 0) {
+    not_anchored_ = map;
+    return;
   }
+  KeyframePoseArray message;
+  message.header.stamp = map.keyframes() > 0 ? toRos(newest_image_) : ros::Time();
+  message.header.frame_id = frames_.map_frame;
+  message.map_id = map.map_id;
+  for (KeyframePose pose : map.poses) {
+    pose.T_world_camera = *T_map_world_ * pose.T_world_camera;
+    message.keyframes.push_back(toRos(pose, frames_.map_frame, map.map_id));
+  }
+  for (const KeyframeId id : map.unplaced) {
+    message.keyframes.push_back(toRos(KeyframePose{id, Stamp(), SE3::Identity()}, frames_.map_frame, map.map_id));
+    message.keyframes.back().placed = false;
+  }
+  keyframe_poses_.publish(message);
 }
 
-void TrackingPublisher::publishPaths(const std_msgs::Header& image, const SparseSlam& slam) {
-  const Stamp now = fromRos(image.stamp);
-  if (now > last_path_ && secondsBetween(last_path_, now) < path_period_s_) return;
-  last_path_ = now;
-  // Bundle adjustment and loops move keyframes long after they were published.
-  KeyframePoseArray keyframes = keyframePoses(slam, image);
-  if (keyframes.keyframes != last_keyframe_poses_.keyframes) publishKeyframePoses(std::move(keyframes));
-  if (path_.getNumSubscribers() == 0) return;
-  const std::vector<TimedPose> poses = trajectory(slam, kLongestPath);
+void TrackingPublisher::publishPath(const std_msgs::Header& image, std::vector<TimedPose> poses) {
+  last_path_ = newest_image_;
   nav_msgs::Path path;
   path.header.stamp = image.stamp;
   path.header.frame_id = frames_.map_frame;
-  for (const TimedPose& timed : poses) {
+  for (const TimedPose& timed : inMap(std::move(poses))) {
     geometry_msgs::PoseStamped pose;
     pose.header.stamp = toRos(timed.stamp);
     pose.header.frame_id = frames_.map_frame;
@@ -189,24 +183,26 @@ void TrackingPublisher::publishPaths(const std_msgs::Header& image, const Sparse
   path_.publish(path);
 }
 
-void TrackingPublisher::publishState(const std_msgs::Header& image, const SparseStep& step, const SparseSlam& slam,
-                                     const TrackedFrameReport& report) {
+void TrackingPublisher::publishState(const std_msgs::Header& image, const TrackingInput& input,
+                                     const TrackingOutput& output, StepTime time) {
   TrackingReport message;
   message.header = image;
-  message.state = stateCode(step.tracking.state);
-  message.has_mask = report.has_mask;
-  message.is_keyframe = step.keyframe.has_value();
-  message.features = static_cast<std::uint32_t>(step.tracking.features);
-  message.inliers = static_cast<std::uint32_t>(step.tracking.inliers);
-  message.keyframes = static_cast<std::uint32_t>(slam.keyframeCount());
-  message.landmarks = static_cast<std::uint32_t>(slam.landmarkCount());
-  message.dynamic_share = static_cast<float>(report.dynamic_share);
-  message.cpu_ms = static_cast<float>(report.cpu_ms);
+  message.state = stateCode(output.tracking.state);
+  message.has_mask = !input.motion.dynamic.empty();
+  message.is_keyframe = output.is_keyframe;
+  message.features = static_cast<std::uint32_t>(output.tracking.features);
+  message.inliers = static_cast<std::uint32_t>(output.tracking.inliers);
+  message.keyframes = static_cast<std::uint32_t>(output.map->keyframes());
+  message.landmarks = static_cast<std::uint32_t>(output.map->landmarks);
+  if (!output.removed.empty()) {
+    message.dynamic_share = static_cast<float>(cv::countNonZero(output.removed >= 128)) / output.removed.total();
+  }
+  message.camera = toPose(*T_map_world_ * output.tracking.T_camera_world.inverse());
+  message.cpu_ms = static_cast<float>(time.cpu_ms);
   state_.publish(message);
 }
 
-std::vector<TimedPose> TrackingPublisher::trajectory(const SparseSlam& slam, std::size_t most) const {
-  std::vector<TimedPose> poses = slam.trajectory(most);
+std::vector<TimedPose> TrackingPublisher::inMap(std::vector<TimedPose> poses) const {
   std::lock_guard<std::mutex> lock(mutex_);
   if (!T_map_world_) return {};
   for (TimedPose& pose : poses) pose.T_world_camera = *T_map_world_ * pose.T_world_camera;

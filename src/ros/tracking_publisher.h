@@ -4,19 +4,19 @@
 
 #include <nav_msgs/Odometry.h>
 #include <ros/node_handle.h>
-#include <semantic_vslam/KeyframePoseArray.h>
 #include <std_msgs/Header.h>
 
+#include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <mutex>
 #include <optional>
 #include <vector>
 
+#include "core/runtime/step_clock.h"
 #include "ros/tf_publisher.h"
 #include "semantic_vslam/core/io/trajectory.h"
-#include "semantic_vslam/core/pipeline/sparse_slam.h"
+#include "semantic_vslam/core/pipeline/tracking_stage.h"
 
 namespace semantic_vslam {
 
@@ -37,59 +37,52 @@ struct InitialPoseConfig {
   SE3 transform() const;
 };
 
-/// What tracking made of one frame, as its report needs it.
-struct TrackedFrameReport {
-  bool has_mask = false;
-  double dynamic_share = 0.0;  ///< of the mask's pixels
-  double cpu_ms = 0.0;
-};
-
-/// Publishes what tracking finds: tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points} and tf.
-/// Core poses, whose world is the first camera's optical frame, become poses in the map frame (z up) here and nowhere
-/// else. The caller serialises all calls but lookUp(), and trajectory(), which any thread may make.
+/// Publishes what tracking finds: tf and tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points}. All
+/// of it comes from what a step gives; the map itself is never asked.
 class TrackingPublisher {
  public:
-  /// @param path_period_s  between publications of the path and of moved keyframes, in the images' time
+  /// @param first_map_id  of the stage
+  /// @param path_period_s  between publications of the path, in the images' time
   /// @throws ConfigError, see TfPublisher
   TrackingPublisher(ros::NodeHandle nh, const FramesConfig& frames, const InitialPoseConfig& initial_pose,
-                    double path_period_s);
+                    double path_period_s, std::uint32_t first_map_id);
 
   /// See TfPublisher; without it a frame cannot be used. May wait; not serialised with the other calls.
   std::optional<BodyTransforms> lookUp(const std_msgs::Header& image) { return tf_.lookUp(image); }
 
-  /// Publishes a frame. The first one after a reset puts its body at the initial pose.
-  void publish(const std_msgs::Header& image, const BodyTransforms& body, const SparseStep& step,
-               const SparseSlam& slam, const TrackedFrameReport& report);
-  /// Where the world of a new map lies: as that of the last one, or so that the next frame is at the initial pose.
-  enum class Anchor { kKeep, kAtNextFrame };
-  /// The map was dropped or another was loaded: says so to whoever keeps its keyframes. Not during publish().
-  void startMap(Anchor anchor);
+  /// What somebody looks at and is due now.
+  TrackingWishes wishes(Stamp now) const;
+  /// Publishes a frame. The first one of a new map puts its body at the initial pose.
+  void publish(const std_msgs::Header& image, const BodyTransforms& body, const TrackingInput& input,
+               const TrackingOutput& output, StepTime time);
+  /// Publishes keyframes that are new or have moved. One call at a time, not during publish().
+  void publishMap(const MapSnapshot& map);
+  /// The next map lies as the present one does, not so that its first frame is at the initial pose.
+  void keepAnchor() { keep_anchor_ = true; }
 
-  /// @param most  see SparseSlam::trajectory()  @return every frame's optical frame in the map.
-  std::vector<TimedPose> trajectory(const SparseSlam& slam,
-                                    std::size_t most = std::numeric_limits<std::size_t>::max()) const;
+  /// @param poses  of the optical frame in the world  @return the same in the map; empty where no frame has a pose yet
+  std::vector<TimedPose> inMap(std::vector<TimedPose> poses) const;
   const TfPublisher& tf() const { return tf_; }
 
  private:
+  void follow(const MapSnapshot& map);
   void anchorMap(const SE3& T_camera_body);
-  void publishPose(const std_msgs::Header& image, const BodyTransforms& body, const TrackingResult& tracking);
-  void publishKeyframes(const SparseStep& step, const SparseSlam& slam, const std_msgs::Header& image);
-  void publishKeyframe(KeyframeId id, Stamp stamp, const KeyframePoseArray& poses, const SparseSlam& slam);
-  void publishKeyframePoses(KeyframePoseArray poses);
-  KeyframePoseArray keyframePoses(const SparseSlam& slam, const std_msgs::Header& image) const;
-  void publishPaths(const std_msgs::Header& image, const SparseSlam& slam);
-  void publishState(const std_msgs::Header& image, const SparseStep& step, const SparseSlam& slam,
-                    const TrackedFrameReport& report);
+  void publishPose(const std_msgs::Header& image, const BodyTransforms& body, const TrackingEstimate& tracking);
+  void publishKeyframes(const std_msgs::Header& image, const TrackingOutput& output);
+  void publishPath(const std_msgs::Header& image, std::vector<TimedPose> path);
+  void publishState(const std_msgs::Header& image, const TrackingInput& input, const TrackingOutput& output,
+                    StepTime time);
 
   const FramesConfig frames_;
   const InitialPoseConfig initial_pose_;
   const double path_period_s_;
   TfPublisher tf_;
   std::uint32_t map_id_;
+  std::atomic<bool> keep_anchor_{false};
   mutable std::mutex mutex_;
-  std::optional<SE3> T_map_world_;  // written by the publishing thread under mutex_; others read it so
-  KeyframePoseArray last_keyframe_poses_;
-  Stamp last_path_;
+  std::optional<SE3> T_map_world_;           // written by the publishing thread under mutex_; others read it so
+  std::optional<MapSnapshot> not_anchored_;  ///< to be published when the map has its place
+  Stamp newest_image_, last_path_;
   ros::Publisher odometry_, pose_, path_, state_, keyframe_, keyframe_poses_, points_;
 };
 

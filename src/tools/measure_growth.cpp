@@ -13,9 +13,10 @@
 #include "core/common/atomic_file.h"
 #include "core/common/config_arguments.h"
 #include "core/io/json_writer.h"
+#include "core/pipeline/sparse_slam.h"
 #include "eval/open_recording.h"
 #include "eval/run_report.h"
-#include "semantic_vslam/core/pipeline/slam_system.h"
+#include "semantic_vslam/core/pipeline/pipeline.h"
 
 namespace {
 
@@ -51,7 +52,7 @@ double savedBytes(const SparseSlam& slam) {
 
 /// Steps through one pass. @param first  index and stamp go on from pass to pass, one frame apart
 /// @return share of the frames that got a pose
-double runPass(TumSequence& sequence, std::size_t frames, bool backwards, std::uint64_t first, SlamSystem& system) {
+double runPass(TumSequence& sequence, std::size_t frames, bool backwards, std::uint64_t first, Pipeline& system) {
   constexpr std::int64_t kFrameNs = 33'333'333;
   std::size_t posed = 0;
   for (std::size_t i = 0; i < frames; ++i) {
@@ -60,7 +61,7 @@ double runPass(TumSequence& sequence, std::size_t frames, bool backwards, std::u
     if (!frame) continue;
     frame->index = first + i;
     frame->stamp = Stamp{1'000'000'000'000 + static_cast<std::int64_t>(frame->index) * kFrameNs};
-    posed += system.step(*frame).posed ? 1 : 0;
+    posed += system.step(*frame).posed() ? 1 : 0;
   }
   return static_cast<double>(posed) / static_cast<double>(frames);
 }
@@ -69,7 +70,7 @@ int run(const Arguments& arguments, const SystemConfig& config) {
   TumSequence sequence = openTumFolder(arguments);
   const std::size_t frames = std::min(arguments.count("--frames", sequence.size(), 1), sequence.size());
   const std::size_t passes = arguments.count("--passes", 10, 1);
-  SlamSystem system(config, SlamSystem::Mode::kSynchronous);
+  Pipeline system(config);
   Growth growth;
   for (std::size_t pass = 0; pass < passes; ++pass) {
     growth.posed_share.push_back(runPass(sequence, frames, pass % 2 == 1, pass * frames, system));

@@ -18,11 +18,13 @@
 #include "core/common/progress.h"
 #include "core/io/json_writer.h"
 #include "core/io/stamp_association.h"
+#include "core/pipeline/sparse_slam.h"
 #include "eval/open_recording.h"
 #include "eval/run_report.h"
 #include "eval/trajectory_error.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/pipeline/slam_system.h"
+#include "semantic_vslam/core/io/trajectory.h"
+#include "semantic_vslam/core/pipeline/pipeline.h"
 
 namespace {
 
@@ -74,7 +76,7 @@ double cpuSeconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-Outcome runThrough(FrameSource& frames, SlamSystem& system, std::size_t most_frames, bool verbose) {
+Outcome runThrough(FrameSource& frames, Pipeline& system, std::size_t most_frames, bool verbose) {
   Outcome outcome;
   const auto& truth = frames.groundTruth();
   if (truth.empty()) throw Error("the recording has no ground truth to judge loops by");
@@ -126,7 +128,7 @@ int run(const Arguments& arguments, const SystemConfig& config) {
   for (const char* output : {"--map", "--trajectory"}) {
     if (const auto path = arguments.value(output)) requireWritable(*path);
   }
-  SlamSystem system(config, SlamSystem::Mode::kSynchronous);
+  Pipeline system(config);
   const Outcome outcome = runThrough(*recording, system, most_frames, arguments.has("--verbose"));
   if (const auto map = arguments.value("--map")) system.slam().saveMap(*map);
   if (const auto poses = arguments.value("--trajectory")) writeTumTrajectory(*poses, system.slam().trajectory());

@@ -15,11 +15,13 @@
 #include "core/common/atomic_file.h"
 #include "core/common/config_arguments.h"
 #include "core/io/json_writer.h"
+#include "core/motion/motion_detector.h"
+#include "core/pipeline/sparse_slam.h"
 #include "eval/fault_injection.h"
 #include "eval/open_recording.h"
 #include "eval/trajectory_error.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/pipeline/slam_system.h"
+#include "semantic_vslam/core/pipeline/pipeline.h"
 
 namespace {
 
@@ -34,7 +36,6 @@ constexpr const char* kUsage =
     "and in its own saved map; tells on stderr what became of it and prints one JSON object.\n"
     "  --runs N             runs with cuts, five cuts each, run i drawn by seed i (10)\n"
     "  --starts N           starts in the saved map, spread over the first half of the recording (5)\n"
-    "  --background         map upkeep on its worker, frames as fast as they come (not deterministic)\n"
     "  --set KEY=VALUE      a key of the configuration; may be repeated\n";
 
 constexpr double kFps = 30.0;
@@ -44,17 +45,16 @@ constexpr double kWrongM = 0.05;
 struct Setup {
   const Arguments& arguments;
   SystemConfig config;
-  SlamSystem::Mode mode = SlamSystem::Mode::kSynchronous;
 };
 
 double secondsSince(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 /// Gives all frames of a source to the system. @return what it said of each
-std::vector<ToldPose> play(FrameSource& source, SlamSystem& system) {
+std::vector<ToldPose> play(FrameSource& source, Pipeline& system) {
   std::vector<ToldPose> told;
   while (const auto frame = source.next()) {
     const StepResult step = system.step(*frame);
-    told.push_back({frame->index, frame->stamp, step.tracking.state, step.T_world_camera});
+    told.push_back({frame->index, frame->stamp, step.tracking.state, step.T_world_camera()});
   }
   return told;
 }
@@ -68,7 +68,7 @@ void playCuts(const Setup& setup, std::uint64_t seed, CutsResult& result) {
   TumSequence recording = openTumFolder(setup.arguments);
   const std::vector<Cut> cuts = drawCuts(recording.size(), kFps, CutPlan(), seed);
   CutSource source(recording, cuts);
-  SlamSystem system(setup.config, setup.mode);
+  Pipeline system(setup.config);
   const std::vector<ToldPose> told = play(source, system);
   system.finish();
   for (const Recovery& recovery : scoreRecovery(cuts, told, source.groundTruth())) {
@@ -91,7 +91,7 @@ bool coverForGood(const Setup& setup) {
   TumSequence recording = openTumFolder(setup.arguments);
   const std::uint64_t middle = recording.size() / 2;
   CutSource source(recording, {{middle, recording.size(), Cut::Kind::kBlack}});
-  SlamSystem system(setup.config, setup.mode);
+  Pipeline system(setup.config);
   std::size_t keyframes = 0, landmarks = 0;
   TrackingState state = TrackingState::kInitialising;
   while (const auto frame = source.next()) {
@@ -117,19 +117,18 @@ struct SavedMapResult {
   double start_s = 0.0;  ///< opening the system and the map
 };
 
-void localiseFrom(const Setup& setup, const std::string& map_file, std::size_t first, SavedMapResult& result) {
+void relocaliseFrom(const Setup& setup, const std::string& map_file, std::size_t first, SavedMapResult& result) {
   TumSequence recording = openTumFolder(setup.arguments);
   recording.skip(first);
-  SparseSlam slam(setup.config.slam, setup.mode);
+  SparseSlam slam(setup.config.slam);
   slam.loadMap(map_file);
-  slam.setLocalizationOnly(true);
   MotionDetector motion(setup.config.motion);
   StageTimes times;
   int needed = -1, given = 0;
   std::vector<TimedPose> online;
   while (const auto frame = recording.next()) {
     ++given;
-    const SparseStep step = slam.step(*frame, motion.detect(*frame).dynamic, times);
+    const SparseStep step = slam.step(*frame, motion.detect(*frame).dynamic, times, true);
     if (step.tracking.state != TrackingState::kOk) continue;
     if (needed < 0) needed = given;
     online.push_back({frame->stamp, step.tracking.T_camera_world.inverse()});
@@ -143,14 +142,14 @@ void localiseFrom(const Setup& setup, const std::string& map_file, std::size_t f
                online.size(), given, result.ate_m.back());
 }
 
-SavedMapResult localiseInSavedMap(const Setup& setup, std::size_t starts) {
+SavedMapResult relocaliseInSavedMap(const Setup& setup, std::size_t starts) {
   const AtomicFile scratch((fs::temp_directory_path() / "measure_recovery.map").string());  // never committed
   const std::string& map_file = scratch.temporary();
   std::size_t frames = 0;
   {
     TumSequence recording = openTumFolder(setup.arguments);
     frames = recording.size();
-    SlamSystem system(setup.config, setup.mode);
+    Pipeline system(setup.config);
     play(recording, system);
     system.finish();
     system.slam().saveMap(map_file);
@@ -158,12 +157,12 @@ SavedMapResult localiseInSavedMap(const Setup& setup, std::size_t starts) {
   SavedMapResult result;
   const auto begin = Clock::now();
   {
-    SlamSystem system(setup.config, SlamSystem::Mode::kBackground);
-    SparseSlam slam(setup.config.slam, setup.mode);
+    Pipeline system(setup.config);
+    SparseSlam slam(setup.config.slam);
     slam.loadMap(map_file);
     result.start_s = secondsSince(begin);
   }
-  for (std::size_t i = 0; i < starts; ++i) localiseFrom(setup, map_file, (i + 1) * frames / (2 * starts), result);
+  for (std::size_t i = 0; i < starts; ++i) relocaliseFrom(setup, map_file, (i + 1) * frames / (2 * starts), result);
   return result;
 }
 
@@ -171,13 +170,12 @@ int run(const Arguments& arguments) {
   Setup setup{arguments, SystemConfig()};
   setup.config.dense.enabled = false;  // has no part in where the camera is
   applySettings(arguments, setup.config);
-  if (arguments.has("--background")) setup.mode = SlamSystem::Mode::kBackground;
 
   CutsResult cuts;
   const std::size_t runs = arguments.count("--runs", 10), starts = arguments.count("--starts", 5);
   for (std::size_t i = 1; i <= runs; ++i) playCuts(setup, i, cuts);
   const bool lost_and_kept = coverForGood(setup);
-  const SavedMapResult saved = starts > 0 ? localiseInSavedMap(setup, starts) : SavedMapResult();
+  const SavedMapResult saved = starts > 0 ? relocaliseInSavedMap(setup, starts) : SavedMapResult();
 
   JsonWriter json;
   json.beginObject("cuts");
@@ -202,6 +200,6 @@ int run(const Arguments& arguments) {
 int main(int argc, char** argv) {
   return runTool(argc, argv, kUsage, [&] {
     cv::setNumThreads(1);  // sums are added in one order
-    return run(Arguments(argc, argv, {"--camera", "--runs", "--starts", "--set"}, {"--background"}, {1, 1}));
+    return run(Arguments(argc, argv, {"--camera", "--runs", "--starts", "--set"}, {}, {1, 1}));
   });
 }

@@ -15,6 +15,7 @@
 #include "core/common/config_arguments.h"
 #include "core/common/progress.h"
 #include "core/io/image_file.h"
+#include "core/segmentation/depth_refinement.h"
 #include "core/segmentation/label_picture.h"
 #include "core/segmentation/onnx_segmenter.h"
 #include "eval/mask_score.h"

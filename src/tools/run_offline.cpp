@@ -18,14 +18,16 @@
 #include "core/common/config_arguments.h"
 #include "core/common/progress.h"
 #include "core/io/image_file.h"
+#include "core/pipeline/sparse_slam.h"
 #include "core/runtime/bounded_queue.h"
 #include "core/runtime/read_ahead.h"
 #include "eval/open_recording.h"
 #include "eval/run_recorder.h"
 #include "ros/bag_source.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/pipeline/slam_runner.h"
-#include "semantic_vslam/core/pipeline/slam_system.h"
+#include "semantic_vslam/core/io/trajectory.h"
+#include "semantic_vslam/core/pipeline/pipeline.h"
+#include "semantic_vslam/core/runtime/pipeline_runner.h"
 
 namespace {
 
@@ -122,36 +124,51 @@ void writeMask(const std::string& folder, Stamp stamp, const cv::Mat1b& dynamic,
   writeImageFile(folder + "/" + formatStamp(stamp) + ".png", mask);
 }
 
-/// Where the results of each frame go while the system runs.
+/// Where the results of each frame go while the system runs, and all of them at its end.
 class Output {
  public:
-  Output(const Options& options, const SlamSystem& system, std::size_t frames)
-      : options_(options), system_(system), recorder_(options.recording), progress_(frames, "frames") {}
+  Output(const Options& options, const DenseConfig& dense, const FrameSource& source, std::size_t frames)
+      : options_(options), dense_(dense), source_(source), recorder_(options.recording), progress_(frames, "frames") {
+    report().start_s = secondsSinceProcessStart();
+  }
 
   void add(const RgbdFrame& frame, const StepResult& step, const cv::Mat1b& truth) {
     recorder_.add(frame, step, truth);
-    if (options_.masks) writeMask(options_.out + "/masks", frame.stamp, step.dynamic, frame.bgr.size());
-    progress_.show(recorder_.report().frames,
-                   std::to_string(system_.slam().keyframeCount()) + " keyframes, " + stateName(step.tracking.state));
+    if (options_.masks) writeMask(options_.out + "/masks", frame.stamp, step.removed, frame.bgr.size());
+    const std::size_t keyframes = step.map ? step.map->keyframes() : 0;
+    progress_.show(report().frames, std::to_string(keyframes) + " keyframes, " + stateName(step.tracking.state));
   }
-  void end() { progress_.end(); }
-  RunRecorder& recorder() { return recorder_; }
+  /// @param system  Pipeline or PipelineRunner
+  template <class System>
+  void finish(System& system) {
+    progress_.end();
+    system.finish();
+    report().wall_s = std::chrono::duration<double>(Clock::now() - begin_).count();
+    report().interrupted = stop_requested != 0;
+    report().skipped_broken = source_.skippedBroken();
+    if (report().frames == 0) throw FileError("'" + options_.recording + "': no frame could be read");
+    recorder_.writeResults(options_.out, {system.slam(), system.dense(), system.times()}, dense_, source_);
+  }
   RunReport& report() { return recorder_.report(); }
 
  private:
   const Options& options_;
-  const SlamSystem& system_;
+  const DenseConfig& dense_;
+  const FrameSource& source_;
   RunRecorder recorder_;
   Progress progress_;
+  const Clock::time_point begin_ = Clock::now();
 };
 
 /// Gives the frames one by one.
-void runInOrder(FrameSource& source, std::size_t wanted, SlamSystem& system, Output& output) {
+void runInOrder(FrameSource& source, std::size_t wanted, const SystemConfig& config, Output& output) {
+  Pipeline system(config);
   for (std::size_t taken = 0; taken < wanted && stop_requested == 0; ++taken) {
     const std::optional<RgbdFrame> frame = source.next();
     if (!frame) break;
     output.add(*frame, system.step(*frame), source.groundTruthMask());
   }
+  output.finish(system);
 }
 
 struct TrueMask {
@@ -160,10 +177,10 @@ struct TrueMask {
 };
 
 /// Gives the frames at the pace of their stamps.
-void runInRealTime(FrameSource& source, std::size_t wanted, SlamSystem& system, Output& output) {
+void runInRealTime(FrameSource& source, std::size_t wanted, const SystemConfig& config, Output& output) {
   Pacer pacer;
   BoundedQueue<TrueMask> truths(kReadAhead, QueuePolicy::kDropOldest);
-  SlamRunner runner(system, [&](const RgbdFrame& frame, const StepResult& step) {
+  PipelineRunner system(config, [&](const RgbdFrame& frame, const StepResult& step) {
     output.report().latency_ms.push_back(pacer.latenessMs(frame.stamp));
     std::optional<TrueMask> truth = truths.tryPop();
     while (truth && truth->stamp < frame.stamp) truth = truths.tryPop();  // of frames that were dropped
@@ -174,10 +191,12 @@ void runInRealTime(FrameSource& source, std::size_t wanted, SlamSystem& system, 
     if (!frame) break;
     pacer.wait(frame->stamp);
     truths.push({frame->stamp, source.groundTruthMask()});
-    if (!runner.push(*frame)) break;
+    if (!system.push(*frame)) break;
   }
-  runner.finish();
-  output.report().dropped_late = runner.dropped();
+  system.finish();
+  output.report().dropped_late = system.dropped();
+  output.report().keyframes_passed_over = system.keyframesPassedOver();
+  output.finish(system);
 }
 
 Options readOptions(const Arguments& arguments, const FrameSource& source) {
@@ -209,23 +228,11 @@ int run(const Arguments& arguments, const SystemConfig& config) {
   requireWritable(options.out + "/summary.json");
   if (options.realtime) source = std::make_unique<ReadAhead>(std::move(source), kReadAhead);
 
-  SlamSystem system(config, options.realtime ? SlamSystem::Mode::kBackground : SlamSystem::Mode::kSynchronous);
   source->skip(options.start);
   const std::size_t wanted = std::min(options.frames, source->size() - options.start);
-  Output output(options, system, wanted);
-  const double start_s = secondsSinceProcessStart();
-  const auto begin = Clock::now();
-  (options.realtime ? runInRealTime : runInOrder)(*source, wanted, system, output);
-  output.end();
-  system.finish();
-  RunReport& report = output.report();
-  report.start_s = start_s;
-  report.wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
-  report.interrupted = stop_requested != 0;
-  report.skipped_broken = source->skippedBroken();
-  if (report.frames == 0) throw FileError("'" + options.recording + "': no frame could be read");
-  output.recorder().writeResults(options.out, system, config.dense, *source);
-  std::fputs(toText(report).c_str(), stdout);
+  Output output(options, config.dense, *source, wanted);
+  (options.realtime ? runInRealTime : runInOrder)(*source, wanted, config, output);
+  std::fputs(toText(output.report()).c_str(), stdout);
   return 0;
 }
 

@@ -3,17 +3,14 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
-#include <cmath>
 
 #include "semantic_vslam/core/camera/camera_model.h"
-#include "semantic_vslam/core/geometry/se3.h"
+#include "semantic_vslam/core/camera/sensor_config.h"
 
-/// What the optimisers' cost functions share: the observation model of an RGB-D feature, the pose increment they
-/// estimate, and the robust kernel.
+/// How a point appears to an RGB-D camera, and how far off a measurement of it may be.
 namespace semantic_vslam {
 
-/// Separates an optimiser from the world: the closest a point may come to the image plane, metres.
+/// The closest a point may come to the image plane, metres.
 constexpr double kMinProjectionDepthM = 0.05;
 /// Chi-square bounds that hold 95 % of the true matches, 2 and 3 degrees of freedom.
 constexpr double kChi2Pixel = 5.991;
@@ -65,6 +62,12 @@ inline Eigen::Vector3d whitenedError(const VirtualStereo& camera, const PixelMea
           m.hasDepth() ? (m.disparity_px - predicted.z()) / m.disparity_sigma_px : 0.0};
 }
 
+/// Whether a point can be what was measured: in front of the camera, and its error one that 95 % of the true have.
+inline bool fits(const VirtualStereo& camera, const PixelMeasurement& m, const Eigen::Vector3d& point_camera) {
+  return point_camera.z() >= kMinProjectionDepthM &&
+         whitenedError(camera, m, point_camera).squaredNorm() <= m.chi2Bound();
+}
+
 /// Derivative of whitenedError() by the point in the camera frame, 3x3.
 inline Eigen::Matrix3d whitenedErrorJacobian(const VirtualStereo& camera, const PixelMeasurement& m,
                                              const Eigen::Vector3d& point_camera) {
@@ -74,44 +77,8 @@ inline Eigen::Matrix3d whitenedErrorJacobian(const VirtualStereo& camera, const 
   return j;
 }
 
-/// Left perturbation of a pose that an optimiser estimates, as the six numbers (translation m, rotation rad):
-///     p_camera = exp(rotation) * (T0 * p_world) + translation.
-/// A plain vector space, so it needs neither Ceres' LocalParameterization (1.14) nor its Manifold (2.1); to first order
-/// at zero it is the left perturbation of SE(3), so covariances come out in the tangent of se3Exp().
-class PoseIncrement {
- public:
-  explicit PoseIncrement(const double* increment)
-      : translation_(increment), vector_(increment + 3), rotation_(so3Exp(vector_)) {}
-
-  Eigen::Vector3d apply(const Eigen::Vector3d& point) const { return rotation_ * point + translation_; }
-  SE3 apply(const SE3& T0) const {
-    SE3 out = SE3::Identity();
-    out.linear() = Eigen::Quaterniond(rotation_ * T0.linear()).normalized().toRotationMatrix();
-    out.translation() = apply(Eigen::Vector3d(T0.translation()));
-    return out;
-  }
-  const Eigen::Matrix3d& rotation() const { return rotation_; }
-  const Eigen::Vector3d& translation() const { return translation_; }
-  /// Left Jacobian of the rotation, shared by the derivatives of all points: d(exp(w) p)/dw = -skew(exp(w) p) J(w).
-  Eigen::Matrix3d rotationJacobian() const { return so3LeftJacobian(vector_); }
-
- private:
-  Eigen::Vector3d translation_, vector_;
-  Eigen::Matrix3d rotation_;
-};
-
-/// Huber's kernel: squared norm s up to `bound`, then growing like the norm. @return g with rho(s) = g^2 * s.
-/// Multiplying a residual by g makes its square the robust cost; `derivative` receives dg/ds.
-inline double huberScale(double squared_norm, double bound, double* derivative) {
-  if (squared_norm <= bound) {
-    *derivative = 0.0;
-    return 1.0;
-  }
-  const double delta = std::sqrt(bound), norm = std::sqrt(squared_norm);
-  const double rho = 2.0 * delta * norm - bound;
-  const double scale = std::sqrt(rho / squared_norm);
-  *derivative = (delta / norm * squared_norm - rho) / (2.0 * scale * squared_norm * squared_norm);
-  return scale;
-}
+/// The measurement that the optimisers see of a feature. @param depth_m 0 = none
+PixelMeasurement makeMeasurement(const Eigen::Vector2d& undistorted_px, double depth_m, double sigma_px, double weight,
+                                 const VirtualStereo& camera, const SensorConfig& sensor);
 
 }  // namespace semantic_vslam

@@ -11,41 +11,12 @@
 #include "core/dense/free_space.h"
 #include "core/dense/keyframe_cloud.h"
 #include "core/dense/occupancy_grid.h"
-#include "core/dense/semantic_octree.h"
+#include "core/dense/octomap_export.h"
 #include "core/dense/voxel_map.h"
+#include "semantic_vslam/core/dense/dense_config.h"
+#include "semantic_vslam/core/map/keyframe_pose.h"
 
 namespace semantic_vslam {
-
-struct DenseConfig {
-  bool enabled = true;
-  double cloud_resolution_m = 0.01;
-  double reanchor_translation_m = 0.01;
-  double reanchor_rotation_deg = 0.5;
-  int rebuild_keyframes_per_call = 4;
-  int memory_mb = 256;
-  KeyframeCloudConfig keyframe;
-  VoxelMapConfig voxels;
-  OccupancyGridConfig grid;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.flag("enabled", enabled, "false: no dense map is made");
-    v.field("cloud_resolution_m", cloud_resolution_m, 0.002, 1.0,
-            "one point of the cloud for each cube of this edge; 1 cm is the depth noise of a Kinect at 2.3 m");
-    v.field("reanchor_translation_m", reanchor_translation_m, 0.0, 1.0,
-            "the map is rebuilt when a keyframe's pose has moved by more than this; a third of a voxel");
-    v.field("reanchor_rotation_deg", reanchor_rotation_deg, 0.0, 45.0,
-            "or turned by more than this; 0.5 deg are 1.7 cm at 2 m");
-    v.field("rebuild_keyframes_per_call", rebuild_keyframes_per_call, 1, 10000,
-            "keyframes that one call adds again during a rebuild; each takes about as long as a new one");
-    v.field("memory_mb", memory_mb, 8, 1 << 16,
-            "for the kept keyframes; above it the oldest clouds are thinned to half a voxel, then the oldest that the "
-            "sparse map dropped are forgotten; those that it holds stay, 0.4 MB each at 640x480 and 2 m");
-    v.group("keyframe", keyframe);
-    v.group("voxels", voxels);
-    v.group("grid", grid);
-  }
-};
 
 /// The dense map: keyframes in, labelled cloud, OctoMap and navigation grid out. Each keyframe's static surface is kept
 /// in its own camera frame. When optimisation or a loop moves poses, the map is built again from them, a few keyframes

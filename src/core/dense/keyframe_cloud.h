@@ -9,16 +9,11 @@
 #include "semantic_vslam/core/common/ids.h"
 #include "semantic_vslam/core/common/label_set.h"
 #include "semantic_vslam/core/common/stamp.h"
+#include "semantic_vslam/core/dense/dense_config.h"
+#include "semantic_vslam/core/dense/dense_result.h"
 #include "semantic_vslam/core/geometry/se3.h"
 
 namespace semantic_vslam {
-
-/// One coloured, labelled point: 16 bytes. In the camera frame in a KeyframeCloud, in the world elsewhere.
-struct LabelledPoint {
-  cv::Vec3f xyz_m;
-  cv::Vec3b bgr;
-  std::uint8_t label = 0;
-};
 
 /// What one keyframe adds to the dense map: its static, labelled surface in its own camera frame, so that a loop can
 /// move it without computing it again.
@@ -26,38 +21,6 @@ struct KeyframeCloud {
   KeyframeId keyframe;
   Stamp stamp;
   std::vector<LabelledPoint> points;
-};
-
-struct KeyframePose {
-  KeyframeId keyframe;
-  Stamp stamp;
-  SE3 T_world_camera = SE3::Identity();
-};
-
-struct KeyframeCloudConfig {
-  int stride_px = 2;
-  double min_depth_m = 0.3;
-  double max_depth_m = 4.0;
-  double depth_noise_m_per_m2 = 0.0019;
-  double max_incidence_deg = 80.0;
-  int dynamic_margin_px = 8;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("stride_px", stride_px, 1, 16,
-            "every n-th pixel and row makes a point; 2 px at 2 m are 8 mm, finer than the map's voxels");
-    v.field("min_depth_m", min_depth_m, 0.05, 5.0, "nearer depth is dropped: below the range of structured light");
-    v.field("max_depth_m", max_depth_m, 0.5, 20.0,
-            "farther depth is dropped: its noise grows with z^2 and passes a voxel of 3 cm (1 sigma) at 4 m");
-    v.field("depth_noise_m_per_m2", depth_noise_m_per_m2, 0.0001, 0.1,
-            "standard deviation of depth over z^2, 1/m; 0.0019 for Kinect v1 (Nguyen et al. 2012)");
-    v.field(
-        "max_incidence_deg", max_incidence_deg, 30.0, 89.0,
-        "a depth step steeper than a plane seen at this angle is an edge; its pixels mix both sides and are dropped");
-    v.field("dynamic_margin_px", dynamic_margin_px, 0, 100,
-            "dropped around people and moving things: colour and depth are up to 16 ms apart, in which a walker at 2 m "
-            "moves 6 px, and depth is wrong along outlines");
-  }
 };
 
 /// Pixels that must not enter the map in any way: dynamic >= 128 or labelled as a class of Mobility::kPerson, with

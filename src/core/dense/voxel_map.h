@@ -9,36 +9,9 @@
 
 #include "core/dense/free_space.h"
 #include "core/dense/keyframe_cloud.h"
+#include "semantic_vslam/core/dense/dense_config.h"
 
 namespace semantic_vslam {
-
-struct VoxelMapConfig {
-  double resolution_m = 0.03;
-  double hit_probability = 0.7;
-  double miss_probability = 0.35;
-  double min_probability = 0.12;
-  double max_probability = 0.97;
-  int confirming_keyframes = 2;
-  double free_range_m = 4.0;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("resolution_m", resolution_m, 0.005, 1.0,
-            "edge of a voxel; 3 cm tells a chair leg from none and is 3 sigma of a Kinect's depth at 2.3 m");
-    v.field("hit_probability", hit_probability, 0.5, 0.99,
-            "that a voxel is occupied, given one keyframe's point in it");
-    v.field("miss_probability", miss_probability, 0.01, 0.5,
-            "that a voxel is occupied, given one keyframe that looked through it");
-    v.field("min_probability", min_probability, 0.001, 0.49,
-            "lower bound; keeps a voxel ready to change (OctoMap's clamping)");
-    v.field("max_probability", max_probability, 0.51, 0.999,
-            "upper bound; at 0.97 a chair that was moved is gone after six keyframes that look through it");
-    v.field("confirming_keyframes", confirming_keyframes, 1, 100,
-            "a voxel that any keyframe looked through needs points from so many to be shown: no ghosts of walkers");
-    v.field("free_range_m", free_range_m, 0.0, 20.0,
-            "space is called free up to here; beyond, pose and depth errors pass a voxel and rays are far apart");
-  }
-};
 
 enum class Occupancy { kUnknown, kFree, kOccupied };
 
@@ -59,7 +32,7 @@ struct Voxel {
 /// is found by projecting voxels into the depth image instead of walking along rays: every voxel is then updated once
 /// a keyframe, none is skipped between two rays, and a surface seen at a flat angle is not eaten away by the rays
 /// beside it. A keyframe of a desk takes 9 ms instead of the 45 ms of OctoMap's discretised, lazy insertion at the same
-/// 3 cm. The map leaves as an OctoMap (semantic_octree.h).
+/// 3 cm. The map leaves as an OctoMap (octomap_export.h).
 ///
 /// Memory: 1 kB a block (1.1 MB for 15 m^3 at 3 cm), and about 30 bytes for each voxel that holds a surface.
 class VoxelMap {
@@ -75,10 +48,9 @@ class VoxelMap {
   /// @param points  in the camera frame, metres
   void integrate(const std::vector<LabelledPoint>& points, const FreeSpaceView& view, const SE3& T_world_camera);
 
-  /// @param point_world  metres
-  Occupancy stateAt(const Eigen::Vector3d& point_world) const;
   /// @return the voxel with this index; state kUnknown and zeros where nothing is known.
   Voxel voxel(const Eigen::Vector3i& index) const;
+  /// @param point_world  metres
   Voxel voxelAt(const Eigen::Vector3d& point_world) const;
   /// Calls back for every voxel that is free or occupied, in a fixed order.
   void forEachKnown(const std::function<void(const Voxel&)>& visit) const;

@@ -9,25 +9,9 @@
 
 #include "core/features/frame_features.h"
 #include "semantic_vslam/core/common/ids.h"
+#include "semantic_vslam/core/features/features_config.h"
 
 namespace semantic_vslam {
-
-struct PlaceIndexConfig {
-  int max_features = 500;
-  int leaf_size = 64;
-  int trees = 2;
-  int max_distance = 40;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("max_features", max_features, 50, 5000,
-            "features of a keyframe that are kept, evenly drawn; 40 bytes each and tree: 40 MB for 1000 keyframes");
-    v.field("leaf_size", leaf_size, 16, 1024, "descriptors in a leaf before it is split");
-    v.field("trees", trees, 1, 8,
-            "trees, each splitting on bits of its own: a pair of sightings is missed only where all do");
-    v.field("max_distance", max_distance, 8, 100, "two descriptors that differ in at most this many of 256 bits match");
-  }
-};
 
 /// A keyframe that looks like the query.
 struct PlaceMatch {

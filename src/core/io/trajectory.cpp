@@ -68,16 +68,6 @@ void sortAndDropDuplicates(std::vector<TimedPose>& poses) {
 
 }  // namespace
 
-const TimedPose* closestPose(const std::vector<TimedPose>& poses, Stamp stamp, double max_gap_s) {
-  if (poses.empty()) return nullptr;
-  auto closest = std::lower_bound(poses.begin(), poses.end(), stamp,
-                                  [](const TimedPose& pose, Stamp value) { return pose.stamp < value; });
-  const bool earlier = closest == poses.end() || (closest != poses.begin() && stamp.ns - std::prev(closest)->stamp.ns <=
-                                                                                  closest->stamp.ns - stamp.ns);
-  if (earlier) --closest;
-  return std::abs(secondsBetween(stamp, closest->stamp)) <= max_gap_s ? &*closest : nullptr;
-}
-
 std::optional<Stamp> parseStamp(const std::string& seconds) {
   if (seconds.find_first_of("eE") != std::string::npos) return parseScientific(seconds);
   std::size_t i = 0;

@@ -9,10 +9,12 @@
 #include <sstream>
 #include <utility>
 
+#include "core/io/broken_frames.h"
 #include "core/io/image_file.h"
 #include "core/io/stamp_association.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
+#include "semantic_vslam/core/io/trajectory.h"
 
 namespace semantic_vslam {
 namespace {
@@ -97,24 +99,32 @@ std::vector<TumPair> readTumPairs(const std::string& folder) {
 }
 
 TumSequence::TumSequence(std::string folder, std::shared_ptr<const CameraModel> camera)
-    : folder_(std::move(folder)), camera_(std::move(camera)), pairs_(readTumPairs(folder_)), broken_(folder_) {
+    : folder_(std::move(folder)),
+      camera_(std::move(camera)),
+      pairs_(readTumPairs(folder_)),
+      broken_(std::make_unique<BrokenFrames>(folder_)) {
   const std::string truth = folder_ + "/groundtruth.txt";
   if (fs::exists(truth)) ground_truth_ = readTumTrajectory(truth);
 }
+
+TumSequence::~TumSequence() = default;
+TumSequence::TumSequence(TumSequence&&) noexcept = default;
+
+std::size_t TumSequence::skippedBroken() const { return broken_->count(); }
 
 std::optional<RgbdFrame> TumSequence::next() {
   while (next_ < pairs_.size()) {
     try {
       RgbdFrame frame = read(next_++);
-      broken_.countGood();
+      broken_->countGood();
       return frame;
     } catch (const FileError& error) {
-      broken_.countUnreadable(error.what());
+      broken_->countUnreadable(error.what());
     } catch (const Error& error) {
-      broken_.countMisfit(error.what());
+      broken_->countMisfit(error.what());
     }
   }
-  broken_.countEnd();
+  broken_->countEnd();
   return std::nullopt;
 }
 

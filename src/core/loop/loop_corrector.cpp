@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/loop/loop_corrector.h"
 
-#include "core/mapping/map_maintenance.h"
+#include "core/map/fuse_landmarks.h"
+#include "core/map/visibility.h"
 
 namespace semantic_vslam {
 namespace {

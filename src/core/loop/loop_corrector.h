@@ -8,21 +8,9 @@
 #include "core/loop/loop_detector.h"
 #include "core/map/map.h"
 #include "core/optimization/pose_graph.h"
+#include "semantic_vslam/core/loop/loop_config.h"
 
 namespace semantic_vslam {
-
-struct LoopCorrectorConfig {
-  double fuse_radius_px = 5.0;
-  int neighbours = 10;
-  PoseGraphConfig graph;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("fuse_radius_px", fuse_radius_px, 0.5, 50.0, "search radius for duplicates of a landmark, px at full size");
-    v.field("neighbours", neighbours, 0, 50, "keyframes on either side of the loop whose landmarks are merged");
-    v.group("graph", graph);
-  }
-};
 
 /// Copies what bending the map to a loop needs: its essential graph with the loop's edge. Solve it with
 /// solve(PoseGraphProblem, ...), then applyLoop().

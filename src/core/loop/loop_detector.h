@@ -9,45 +9,9 @@
 #include "core/features/place_index.h"
 #include "core/loop/relocalizer.h"
 #include "core/map/map.h"
+#include "semantic_vslam/core/loop/loop_config.h"
 
 namespace semantic_vslam {
-
-struct LoopDetectorConfig {
-  double min_score = 0.02;
-  double min_score_share = 0.5;
-  int max_candidates = 20;
-  int consistent_keyframes = 3;
-  int confirming_neighbours = 3;
-  int min_confirming_matches = 25;
-  double confirming_radius_px = 5.0;
-  double max_drift_share = 0.05;
-  double max_drift_base_m = 0.3;
-  double max_drift_rad_per_m = 0.03;
-  double max_drift_base_rad = 0.15;
-  RelocalizerConfig verification;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("min_score", min_score, 0.0, 1.0, "share of a keyframe's features that a candidate must match");
-    v.field("min_score_share", min_score_share, 0.0, 1.0,
-            "a candidate must look at least this much like the keyframe as the least similar of its neighbours does");
-    v.field("max_candidates", max_candidates, 1, 200, "keyframes of similar appearance that are looked at");
-    v.field("consistent_keyframes", consistent_keyframes, 1, 20, "keyframes in a row that must point at one place");
-    v.field(
-        "confirming_neighbours", confirming_neighbours, 0, 10,
-        "neighbours of the keyframe that must see the old landmarks too, where the loop would put them; where fewer "
-        "should, all of these, and one at least");
-    v.field("min_confirming_matches", min_confirming_matches, 5, 500, "landmarks that each of these must find");
-    v.field("confirming_radius_px", confirming_radius_px, 1.0, 50.0, "search radius for these, px at full size");
-    v.field("max_drift_share", max_drift_share, 0.0, 1.0,
-            "drift that a loop may correct, metres for each metre travelled since the old place; RGB-D odometry drifts "
-            "by 1-2 %. What asks for more is another room that looks the same");
-    v.field("max_drift_base_m", max_drift_base_m, 0.0, 10.0, "added to that");
-    v.field("max_drift_rad_per_m", max_drift_rad_per_m, 0.0, 1.0, "the same for rotation");
-    v.field("max_drift_base_rad", max_drift_base_rad, 0.0, 3.2, "added to that");
-    v.group("verification", verification);
-  }
-};
 
 /// A place seen again: where the current keyframe really is, by the landmarks of the first visit.
 struct LoopClosure {
@@ -65,7 +29,7 @@ class LoopDetector {
  public:
   /// @param tracker  for the virtual baseline and the pose optimiser
   /// @throws ConfigError
-  LoopDetector(const LoopDetectorConfig& config, const FrameTrackerConfig& tracker);
+  LoopDetector(const LoopDetectorConfig& config, const FramePoseConfig& tracker);
 
   /// @param index  holds the map's keyframes; whether `current` is among them does not matter
   std::optional<LoopClosure> detect(const Map& map, const PlaceIndex& index, KeyframeId current);
@@ -86,7 +50,7 @@ class LoopDetector {
                          const SE3& T_current_world) const;
 
   LoopDetectorConfig config_;
-  FrameTrackerConfig tracker_;
+  FramePoseConfig tracker_;
   std::vector<Chain> chains_;
 };
 

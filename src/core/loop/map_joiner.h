@@ -9,6 +9,7 @@
 #include "core/loop/loop_detector.h"
 #include "core/loop/relocalizer.h"
 #include "core/map/map.h"
+#include "core/map/tracked_frame.h"
 
 namespace semantic_vslam {
 
@@ -42,7 +43,7 @@ class JoinEvidence {
 /// known place joins the maps at once; loop closing, which asks for several keyframes there, does it otherwise.
 class WorldSeeker {
  public:
-  WorldSeeker(const FrameTrackerConfig& tracker, const RelocalizerConfig& relocalisation)
+  WorldSeeker(const FramePoseConfig& tracker, const RelocalisationConfig& relocalisation)
       : tracker_(tracker), relocalisation_(relocalisation) {}
 
   /// @param T_camera_own  the frame's pose in the new map
@@ -56,8 +57,8 @@ class WorldSeeker {
   }
 
  private:
-  FrameTrackerConfig tracker_;
-  RelocalizerConfig relocalisation_;
+  FramePoseConfig tracker_;
+  RelocalisationConfig relocalisation_;
   JoinEvidence evidence_;
   int frames_ = 0;  ///< sought in since the camera is beside the world
 };

@@ -10,7 +10,7 @@
 #include "core/motion/depth_vote.h"
 #include "core/motion/place_lookup.h"
 #include "core/motion/work_grid.h"
-#include "semantic_vslam/core/io/trajectory.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/motion/motion_config.h"
 
 namespace semantic_vslam {

@@ -3,35 +3,17 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <atomic>
 #include <cstdint>
 #include <vector>
 
 #include "core/map/map.h"
 #include "semantic_vslam/core/camera/camera_model.h"
 #include "semantic_vslam/core/camera/sensor_config.h"
+#include "semantic_vslam/core/common/abort_flag.h"
 #include "semantic_vslam/core/geometry/se3.h"
+#include "semantic_vslam/core/optimization/optimization_config.h"
 
 namespace semantic_vslam {
-
-struct BaConfig {
-  int max_keyframes = 15;
-  int max_fixed_keyframes = 20;
-  int min_shared = 15;
-  int first_iterations = 5;
-  int second_iterations = 10;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("max_keyframes", max_keyframes, 1, 1000,
-            "keyframes whose pose a local adjustment changes, the centre included");
-    v.field("max_fixed_keyframes", max_fixed_keyframes, 1, 1000,
-            "keyframes around them that hold a local adjustment in place, those that see most of its landmarks");
-    v.field("min_shared", min_shared, 1, 1000, "landmarks that a keyframe must share with the centre to be adjusted");
-    v.field("first_iterations", first_iterations, 1, 100, "most steps before wrong matches are taken out");
-    v.field("second_iterations", second_iterations, 1, 100, "most steps after it");
-  }
-};
 
 struct BaKeyframe {
   KeyframeId id;
@@ -63,28 +45,12 @@ struct BaProblem {
   std::vector<BaObservation> observations;
 };
 
-struct BaReport {
-  double initial_cost = 0.0,
-         final_cost = 0.0;  ///< half the robust sum of squares, before the first and after the last round
-  int iterations = 0;
-  int outliers = 0;
-  bool aborted = false;
-};
-
-/// The centre, its covisible keyframes and the landmarks they see; keyframes that see these from outside are fixed, as
-/// is the map's first one. @return an empty problem if the centre is gone.
-BaProblem selectLocal(const Map& map, KeyframeId centre, const SensorConfig& sensor, const BaConfig& config);
-
-/// The whole map; the first keyframe of each tree is fixed.
-BaProblem selectGlobal(const Map& map, const SensorConfig& sensor);
-
 /// Bundle adjustment: poses and landmarks that minimise the reprojection error (ORB-SLAM2, section III.C, eq. 2 and 3,
 /// with depth as virtual disparity), Huber's kernel, a second round without the matches that fail the chi-square test.
 /// Landmarks seen once go along with their keyframe.
 /// @param config  valid (its owner has validated it)
 /// @param abort   looked at between steps; may be nullptr. What was reached till then is the solution.
 /// @return values of the free keyframes and of all landmarks, and the matches found to be wrong.
-MapSolution solve(const BaProblem& problem, const BaConfig& config, const std::atomic<bool>* abort,
-                  BaReport* report = nullptr);
+MapSolution solve(const BaProblem& problem, const BaConfig& config, const AbortFlag* abort);
 
 }  // namespace semantic_vslam

@@ -2,32 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <vector>
 
 #include "core/map/map.h"
+#include "semantic_vslam/core/common/abort_flag.h"
 #include "semantic_vslam/core/geometry/se3.h"
+#include "semantic_vslam/core/optimization/optimization_config.h"
 
 namespace semantic_vslam {
-
-struct PoseGraphConfig {
-  int min_shared = 100;
-  int iterations = 50;
-  double translation_sigma_m = 0.01;
-  double rotation_sigma_rad = 0.005;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("min_shared", min_shared, 15, 1000,
-            "landmarks that two keyframes must share for an edge of the essential graph");
-    v.field("iterations", iterations, 1, 1000, "most solver steps");
-    v.field("translation_sigma_m", translation_sigma_m, 1e-4, 1.0,
-            "error of one edge's translation; only its ratio to the rotation's matters: 1 cm to 0.3 degrees, what "
-            "visual odometry drifts by between two keyframes at room scale");
-    v.field("rotation_sigma_rad", rotation_sigma_rad, 1e-4, 1.0, "error of one edge's rotation");
-  }
-};
 
 /// Measured pose of keyframe b in the frame of keyframe a.
 struct RelativePose {
@@ -58,7 +41,7 @@ PoseGraphProblem selectEssentialGraph(const Map& map, const std::vector<Relative
 /// @param config  valid (its owner has validated it)
 /// @param abort   looked at between steps; may be nullptr. What was reached till then is the solution.
 /// @return the poses of the free nodes; no landmarks.
-MapSolution solve(const PoseGraphProblem& problem, const PoseGraphConfig& config, const std::atomic<bool>* abort);
+MapSolution solve(const PoseGraphProblem& problem, const PoseGraphConfig& config, const AbortFlag* abort);
 
 /// Completes a solution that moves the whole map (pose graph, global adjustment) with what its problem did not hold:
 /// keyframes made since move rigidly with their parent, landmarks with their reference keyframe.

@@ -3,28 +3,15 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include "core/optimization/pose_cost.h"
 #include "semantic_vslam/core/camera/camera_model.h"
 #include "semantic_vslam/core/camera/sensor_config.h"
 #include "semantic_vslam/core/geometry/se3.h"
+#include "semantic_vslam/core/optimization/optimization_config.h"
 
 namespace semantic_vslam {
-
-struct PoseOptimizerConfig {
-  int rounds = 4;
-  int iterations = 10;
-  int min_inliers = 10;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("rounds", rounds, 1, 10, "rounds of optimisation, each followed by a new look at who is an inlier");
-    v.field("iterations", iterations, 1, 100, "most solver steps in a round");
-    v.field("min_inliers", min_inliers, 4, 1000, "fewer inliers leave the pose unusable");
-  }
-};
 
 /// One match of a frame's feature with a point of the world.
 struct PoseObservation {
@@ -40,7 +27,6 @@ struct PoseProblem {
   CameraIntrinsics camera;               ///< distortion is not used: pixels are undistorted
   SensorConfig sensor;                   ///< how depth is weighed
   std::vector<PoseObservation> observations;
-  std::optional<PosePrior> prior;
 };
 
 struct PoseSolution {
@@ -57,9 +43,5 @@ struct PoseSolution {
 /// weight 0 have no influence but are judged like all others.
 /// @param config  valid (its owner has validated it)
 PoseSolution optimizePose(const PoseProblem& problem, const PoseOptimizerConfig& config);
-
-/// The measurement that the optimisers see of a feature. @param depth_m 0 = none
-PixelMeasurement makeMeasurement(const Eigen::Vector2d& undistorted_px, double depth_m, double sigma_px, double weight,
-                                 const VirtualStereo& camera, const SensorConfig& sensor);
 
 }  // namespace semantic_vslam

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "core/camera/observation_model.h"
+#include "core/optimization/pose_increment.h"
 #include "semantic_vslam/core/geometry/se3.h"
 
 namespace semantic_vslam {

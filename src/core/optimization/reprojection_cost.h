@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "core/camera/observation_model.h"
+#include "core/optimization/huber.h"
+#include "core/optimization/pose_increment.h"
 #include "semantic_vslam/core/geometry/se3.h"
 
 namespace semantic_vslam {

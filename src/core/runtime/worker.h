@@ -3,20 +3,27 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <exception>
 #include <functional>
+#include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 
 #include "core/runtime/bounded_queue.h"
 #include "core/runtime/thread_priority.h"
+#include "semantic_vslam/core/common/log.h"
 
 namespace semantic_vslam {
 
 /// kKeyframes: work that may take its time gives way to what every frame waits for, where cores are few.
 enum class WorkerPriority { kFrames, kKeyframes };
 
-/// One thread that works off a bounded queue, so that callbacks return at once. Dropped items are counted.
+/// One thread that works off a bounded queue, so that who pushes goes on at once. Dropped items are counted. An
+/// exception costs the item, never the process.
 template <class T>
 class Worker {
  public:
@@ -29,31 +36,53 @@ class Worker {
   /// Drops what waits, finishes what runs.
   ~Worker() {
     queue_.clear();
-    queue_.close();
-    thread_.join();
+    finish();
   }
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  void push(T item) { queue_.push(std::move(item)); }
+  /// @return false if nothing is taken any more
+  bool push(T item) { return queue_.push(std::move(item)); }
+  /// Finishes what waits and what runs. No push() after it.
+  void finish() {
+    queue_.close();
+    if (thread_.joinable()) thread_.join();
+  }
+  /// Returns when nothing waits and nothing runs.
+  void settle() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [this] { return idle(); });
+  }
   std::size_t waiting() const { return queue_.size(); }
-  /// Nothing waits and nothing runs; true for a moment too while an item is taken from the queue.
-  bool idle() const { return !running_ && queue_.size() == 0; }
+  /// Nothing waits and nothing runs.
+  bool idle() const {
+    const QueueCounters counters = queue_.counters();
+    return counters.pushed - counters.dropped == done_;
+  }
   QueueCounters counters() const { return queue_.counters(); }
 
  private:
   void run(WorkerPriority priority) {
     if (priority == WorkerPriority::kKeyframes) lowerThreadPriority();
     while (std::optional<T> item = queue_.pop()) {
-      running_ = true;
-      handler_(std::move(*item));
-      running_ = false;
+      try {
+        handler_(std::move(*item));
+      } catch (const std::exception& error) {
+        logError(std::string("a frame or keyframe is lost: ") + error.what());
+      }
+      {
+        std::lock_guard<std::mutex> lock(mutex_);
+        ++done_;
+      }
+      changed_.notify_all();
     }
   }
 
   BoundedQueue<T> queue_;
   const Handler handler_;
-  std::atomic<bool> running_{false};
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::atomic<std::size_t> done_{0};
   std::thread thread_;
 };
 

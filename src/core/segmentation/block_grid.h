@@ -8,9 +8,9 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace semantic_vslam {
+#include "semantic_vslam/core/segmentation/segmentation_config.h"
 
-constexpr int kMaxBlockStride = 8;
+namespace semantic_vslam {
 
 /// @return row or column of the image, of that many, that stands for one of the grid of blocks of stride x stride px:
 /// the block's middle; the last block may be cut off

@@ -12,51 +12,10 @@
 #include "core/segmentation/region_growth.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/common/label_set.h"
+#include "semantic_vslam/core/segmentation/segmentation_config.h"
 #include "semantic_vslam/core/segmentation/segmenter.h"
 
 namespace semantic_vslam {
-
-struct RefinementConfig {
-  bool enabled = true;
-  double epsilon = 2.0;
-  int samples = 100;
-  std::string average = "median";
-  int seed = 1;
-  int stride_px = 3;
-  int min_mask_px = 40;
-  int band_px = 12;
-  double min_region_share = 0.02;
-  double min_thickness_px = 12.0;
-  double object_depth_m = 0.5;
-  double weak_share = 0.4;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.flag("enabled", enabled, "false: the network's masks are used as they are");
-    v.field("weak_share", weak_share, 0.0, 1.0,
-            "a surface of which this share is a person, and the rest may be one (weak_person), is a person as a whole");
-    v.field("epsilon", epsilon, 0.1, 100.0, "eq. (4): growth crosses steps below epsilon times the mask's mean step");
-    v.field("samples", samples, 1, 10000, "eq. (3): random pixels of a mask that its mean step is taken from");
-    v.choice("average", average, {"mean", "median"},
-             "eq. (3) over the samples; the mean is as published, the median ignores samples on the object's edge");
-    v.field("seed", seed, 0, 1000000000, "of the random samples");
-    v.field("stride_px", stride_px, 1, kMaxBlockStride,
-            "regions grow over every so many-th pixel of row and column, and the pixels between go with the one they "
-            "are level with; 1: over all, as published, at five times the cost of 3");
-    v.field("min_mask_px", min_mask_px, 0, 100000, "smaller connected masks are dropped as noise of the network, px");
-    v.field("band_px", band_px, 0, 100,
-            "background inside the mask's border is cut up to this width, px: what lies behind a depth edge or in the "
-            "plane "
-            "outside; 0: only what growth does not reach, as published");
-    v.field("min_region_share", min_region_share, 0.0, 1.0,
-            "regions of a mask beside the seed's are grown too if they hold this share of it; 1: never, as published");
-    v.field("min_thickness_px", min_thickness_px, 0.0, 1000.0,
-            "and are this thick on average, px: a mask that is too large leaves a thin band of what lies behind");
-    v.field("object_depth_m", object_depth_m, 0.0, 10.0,
-            "and if their mean depth lies within this of the seed region's, m: an arm before a body, not the wall; "
-            "people stay at any depth, since two who overlap make one mask");
-  }
-};
 
 /// Eq. (3): how far apart neighbouring points of an object lie. For each of `samples` random pixels the mean 3-D
 /// distance to its 8 neighbours in the mask, the largest and the smallest left out; of those the mean or the median.
@@ -102,9 +61,5 @@ class DepthRefiner {
   RefinementConfig config_;  ///< its lengths and areas are in px of the grid
   std::unique_ptr<Buffers> buffers_;
 };
-
-/// One frame refined by a DepthRefiner of its own.
-cv::Mat1b refineOnDepth(const Segmentation& segmentation, const LabelSet& label_set, const RgbdFrame& frame,
-                        const RefinementConfig& config);
 
 }  // namespace semantic_vslam

@@ -5,6 +5,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 
+#include "core/segmentation/depth_refinement.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/segmentation/segmentation_config.h"
 #include "semantic_vslam/core/segmentation/segmenter.h"

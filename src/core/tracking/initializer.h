@@ -6,21 +6,9 @@
 
 #include "core/map/tracked_frame.h"
 #include "core/tracking/frame_tracker.h"
+#include "semantic_vslam/core/tracking/tracking_config.h"
 
 namespace semantic_vslam {
-
-struct InitializerConfig {
-  int min_points = 200;
-  int min_inliers = 80;
-  double min_inlier_share = 0.5;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("min_points", min_points, 20, 5000, "static features with depth that the first frame k1 must have");
-    v.field("min_inliers", min_inliers, 10, 5000, "matches between k1 and k2 that must agree on one rigid motion");
-    v.field("min_inlier_share", min_inlier_share, 0.1, 1.0, "share of the matches that must agree");
-  }
-};
 
 /// Initialisation in a dynamic scene: frame k1 comes with its people's points removed (its dynamic mask holds the
 /// people that segmentation found); k2 is matched to it. If the conditions are not met k1 is released and k2 becomes

@@ -6,70 +6,18 @@
 
 #include "core/features/orb_extractor.h"
 #include "core/map/map.h"
-#include "core/mapping/map_maintenance.h"
 #include "core/tracking/frame_tracker.h"
 #include "core/tracking/initializer.h"
 #include "core/tracking/keyframe_policy.h"
 #include "core/tracking/local_map.h"
+#include "semantic_vslam/core/tracking/tracking_config.h"
+#include "semantic_vslam/core/tracking/tracking_state.h"
 
 namespace semantic_vslam {
 
-/// How far the pose of a frame can be trusted.
-enum class TrackingState {
-  kInitialising,  ///< no map yet
-  kOk,            ///< the pose comes from the map
-  kRecentlyLost,  ///< the map is not seen: the motion model carries the pose on for a moment
-  /// No pose in the world; every frame tries to find its place again, the map stays. After a while a new map is begun,
-  /// but where that lies is not known until it is joined with the old one: so long it is LOST.
-  kLost,
-};
-
-/// @return "INITIALISING", "OK", "RECENTLY_LOST" or "LOST".
-const char* stateName(TrackingState state);
-
-struct TrackerConfig {
-  int min_inliers = 30;
-  double recently_lost_s = 1.0;
-  double new_map_after_s = 5.0;
-  OrbConfig orb;
-  InitializerConfig initializer;
-  FrameTrackerConfig frame;
-  LocalMapConfig local_map;
-  KeyframePolicyConfig keyframe;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("min_inliers", min_inliers, 10, 500, "landmarks of the map that must fit for a frame to count as tracked");
-    v.field("recently_lost_s", recently_lost_s, 0.0, 10.0,
-            "how long the motion model alone carries the pose before the state is LOST; a hand-held camera keeps its "
-            "velocity for about a second at best");
-    v.field("new_map_after_s", new_map_after_s, 0.0, 1e6,
-            "after this long without finding its place the camera begins a new map, which is joined with the old one "
-            "when a known place is seen again; covered lenses and passers-by are mostly gone by then");
-    v.group("orb", orb);
-    v.group("initializer", initializer);
-    v.group("frame", frame);
-    v.group("local_map", local_map);
-    v.group("keyframe", keyframe);
-  }
-};
-
-/// How the camera moved since the last tracked frame; corrections of the map are not in it.
-struct CameraStep {
-  SE3 T_current_last = SE3::Identity();
-  double seconds = 0.0;  ///< > 0
-};
-
-/// What tracking says of one frame.
-struct TrackingResult {
-  TrackingState state = TrackingState::kInitialising;
-  SE3 T_camera_world = SE3::Identity();        ///< valid in kOk; a prediction in kRecentlyLost
-  Matrix6d covariance = Matrix6d::Identity();  ///< of the left perturbation of T_camera_world (m, rad)
-  std::optional<CameraStep> last_step;         ///< measured; nothing for a frame that was predicted or relocalised
-  KeyframeId reference;                        ///< keyframe that shares most landmarks with the frame
-  int features = 0;
-  int matches = 0;
-  int inliers = 0;
+/// The same for who keeps the map.
+struct TrackingResult : TrackingEstimate {
+  KeyframeId reference;  ///< keyframe that shares most landmarks with the frame
   bool keyframe_is_due = false;
   std::vector<LandmarkId> visible;  ///< landmarks that the frame should have seen, for the map's counts
   std::vector<LandmarkId> found;    ///< those that it did see

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/map/map.h"
-#include "semantic_vslam/core/io/trajectory.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
 
 namespace semantic_vslam {
 

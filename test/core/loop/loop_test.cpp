@@ -6,6 +6,7 @@
 
 #include "core/loop/loop_corrector.h"
 #include "core/loop/loop_detector.h"
+#include "core/mapping/ba_selection.h"
 #include "core/optimization/bundle_adjustment.h"
 #include "core/support/synthetic_map.h"
 #include "semantic_vslam/core/common/error.h"
@@ -50,7 +51,6 @@ class Walk {
   double rmse() const {
     double sum = 0.0;
     for (const auto& [id, keyframe] : synthetic.map.keyframes()) {
-      static_cast<void>(keyframe);
       sum += errorOf(id) * errorOf(id);
     }
     return std::sqrt(sum / static_cast<double>(synthetic.map.keyframes().size()));

@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/pipeline/loop_closer.h"
+#include "core/pipeline/loop_closer.h"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <functional>
+#include <mutex>
 #include <thread>
 #include <utility>
 
@@ -45,15 +47,20 @@ double meanError_m(const Map& map, const std::vector<SE3>& truth) {
 TEST(LoopCloser, ANewLoopAbortsTheGlobalAdjustmentOfTheOneBeforeWhileTrackingGoesOn) {
   SyntheticMap synthetic = circleWithErrors();
   const double before_m = meanError_m(synthetic.map, synthetic.true_T_camera_world);
-  SharedMap shared{PlaceIndexConfig(), TrackerConfig()};
+  SparseState shared{PlaceIndexConfig(), TrackerConfig()};
   shared.map = std::move(synthetic.map);
   const std::uint64_t version = shared.map.version();
   LoopCloser closer(SparseSlamConfig(), shared);
+  std::mutex mutex;
+  const Alone alone = [&mutex](const std::function<void()>& use) {
+    std::lock_guard<std::mutex> lock(mutex);
+    use();
+  };
   std::atomic<int> begun{0}, aborted{0}, finished{0};
   LatestTask global_ba;
   const auto adjust = [&](const std::atomic<bool>& abort) {
     ++begun;
-    closer.adjustAll(abort);
+    closer.adjustAll(alone, abort);
     ++(abort ? aborted : finished);
   };
   global_ba.start(adjust);
@@ -63,7 +70,7 @@ TEST(LoopCloser, ANewLoopAbortsTheGlobalAdjustmentOfTheOneBeforeWhileTrackingGoe
   while (finished == 0) {  // what tracking does to the map meanwhile
     ASSERT_LT(std::chrono::steady_clock::now(), deadline) << "the second adjustment does not come to its end";
     std::this_thread::yield();
-    std::lock_guard<std::mutex> lock(shared.mutex);
+    std::lock_guard<std::mutex> lock(mutex);
     for (const auto& [id, keyframe] : shared.map.keyframes()) {
       static_cast<void>(id);
       if (keyframe.landmarks.front().valid()) shared.map.countVisible(keyframe.landmarks.front());
@@ -78,10 +85,10 @@ TEST(LoopCloser, ANewLoopAbortsTheGlobalAdjustmentOfTheOneBeforeWhileTrackingGoe
 
 TEST(LoopCloser, AnAbortedAdjustmentChangesNothing) {
   SyntheticMap synthetic = circleWithErrors();
-  SharedMap shared{PlaceIndexConfig(), TrackerConfig()};
+  SparseState shared{PlaceIndexConfig(), TrackerConfig()};
   shared.map = synthetic.map;
   LoopCloser closer(SparseSlamConfig(), shared);
-  closer.adjustAll(std::atomic<bool>(true));
+  closer.adjustAll([](const std::function<void()>& use) { use(); }, std::atomic<bool>(true));
   EXPECT_EQ(shared.map.version(), synthetic.map.version());
   for (const auto& [id, keyframe] : synthetic.map.keyframes()) {
     EXPECT_TRUE(shared.map.keyframe(id)->T_camera_world.isApprox(keyframe.T_camera_world, 0.0));

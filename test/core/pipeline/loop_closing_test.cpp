@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/pipeline/sparse_slam.h"
 #include "eval/scenario_source.h"
 #include "eval/trajectory_error.h"
-#include "semantic_vslam/core/pipeline/slam_system.h"
+#include "semantic_vslam/core/pipeline/pipeline.h"
 
 namespace semantic_vslam {
 namespace {
@@ -36,19 +37,19 @@ struct Outcome {
   double ate_m = 0.0;
 };
 
-Outcome run(FrameSource& source, SlamSystem::Mode mode) {
+Outcome run(FrameSource& source) {
   SystemConfig config;
   config.dense.enabled = false;
   config.slam.tracking.orb.features = 400;  // little texture: enough drift to show that a loop takes it out
   // A room this small would all be in the local map, and tracking would close the loop by itself.
   config.slam.tracking.local_map.max_keyframes = 5;
   config.slam.tracking.local_map.neighbours = 2;
-  SlamSystem system(config, mode);
+  Pipeline system(config);
   Outcome out;
   std::vector<TimedPose> before;
   while (const auto frame = source.next()) {
     if (system.slam().loopCount() == 0) before = system.slam().trajectory();
-    out.posed += system.step(*frame).posed ? 1 : 0;
+    out.posed += system.step(*frame).posed() ? 1 : 0;
     ++out.frames;
   }
   system.finish();
@@ -75,20 +76,13 @@ void expectTrueLoops(const FrameSource& source, const Outcome& outcome) {
 
 TEST(LoopClosing, ATurnInARoomIsClosedAndItsErrorTakenOut) {
   ScenarioSource source(turnInARoom(1), syntheticCamera("400x300"));
-  const Outcome outcome = run(source, SlamSystem::Mode::kSynchronous);
+  const Outcome outcome = run(source);
   std::printf("%zu of %zu frames posed, ATE %.4f m before the loop, %.4f m at the end\n", outcome.posed, outcome.frames,
               outcome.ate_before_m, outcome.ate_m);
   EXPECT_GE(outcome.posed + 3, outcome.frames);
   expectTrueLoops(source, outcome);
   EXPECT_LT(outcome.ate_m, outcome.ate_before_m / 3.0);
   EXPECT_LT(outcome.ate_m, 0.05);
-}
-
-TEST(LoopClosing, WorkersInTheBackgroundCloseItToo) {
-  ScenarioSource source(turnInARoom(1), syntheticCamera("400x300"));
-  const Outcome outcome = run(source, SlamSystem::Mode::kBackground);
-  expectTrueLoops(source, outcome);
-  EXPECT_LT(outcome.ate_m, 0.06);
 }
 
 }  // namespace

@@ -4,10 +4,10 @@
 
 #include <set>
 
+#include "core/pipeline/sparse_slam.h"
 #include "core/support/quarter_vga.h"
 #include "eval/synthetic_room.h"
 #include "eval/trajectory_error.h"
-#include "semantic_vslam/core/pipeline/sparse_slam.h"
 
 namespace semantic_vslam {
 namespace {
@@ -23,7 +23,7 @@ Scenario turningCamera() {
 /// The camera turns from A towards B, is carried off to B at once, and turns back to A.
 class Kidnap {
  public:
-  Kidnap() : room_(turningCamera(), quarterVga()), slam_(config(), SparseSlam::Mode::kSynchronous) {}
+  Kidnap() : room_(turningCamera(), quarterVga()), slam_(config()) {}
 
   /// Turns between two times of the path, either way.
   /// @return state of the last frame
@@ -36,7 +36,7 @@ class Kidnap {
       frame.index = index_;
       frame.stamp = Stamp::fromSeconds(1.0 + static_cast<double>(index_++) / 30.0);
       truth_.push_back({frame.stamp, rendered.T_world_camera});
-      const SparseStep step = slam_.step(frame, {}, times_);
+      const SparseStep step = slam_.step(frame, {}, times_, localization_only_);
       state = step.tracking.state;
       new_worlds_ += step.new_world ? 1 : 0;
     }
@@ -47,6 +47,7 @@ class Kidnap {
     index_ = 0;
     slam_.startTimeAnew();
   }
+  void setLocalizationOnly(bool on) { localization_only_ = on; }
   int newWorlds() const { return new_worlds_; }
   SparseSlam& slam() { return slam_; }
   double error_m() const { return absoluteTrajectoryError(truth_, slam_.trajectory()).translation_m.max; }
@@ -66,6 +67,7 @@ class Kidnap {
   SparseSlam slam_;
   std::uint64_t index_ = 0;
   int new_worlds_ = 0;
+  bool localization_only_ = false;
   std::vector<TimedPose> truth_;
 };
 
@@ -120,7 +122,7 @@ TEST(NewMap, IsNotBegunInLocalisationOnlyMode) {
   Kidnap kidnap;
   ASSERT_EQ(kidnap.turn(0.0, 1.0), TrackingState::kOk);
   const std::size_t keyframes = kidnap.slam().keyframeCount();
-  kidnap.slam().setLocalizationOnly(true);
+  kidnap.setLocalizationOnly(true);
   EXPECT_EQ(kidnap.turn(6.0, 5.0), TrackingState::kLost);
   EXPECT_EQ(kidnap.slam().keyframeCount(), keyframes);
 }
@@ -138,10 +140,10 @@ TEST(NewMap, TakesThePlaceOfAWorldThatIsTooSmallToBeFoundAgain) {
 
 TEST(NewMap, TheFirstOneIsNotBegunInLocalisationOnlyModeEither) {
   Kidnap kidnap;
-  kidnap.slam().setLocalizationOnly(true);
+  kidnap.setLocalizationOnly(true);
   EXPECT_EQ(kidnap.turn(0.0, 0.5), TrackingState::kInitialising);
   EXPECT_EQ(kidnap.slam().keyframeCount(), 0U);
-  kidnap.slam().setLocalizationOnly(false);
+  kidnap.setLocalizationOnly(false);
   EXPECT_EQ(kidnap.turn(0.5, 1.0), TrackingState::kOk);
 }
 

@@ -87,10 +87,7 @@ TEST(SegmentationStage, RefusesANetworkThatIsNotThere) {
 TEST(SegmentationConfig, IsDescribed) {
   SegmentationConfig config;
   setConfig(config, "refinement.epsilon", "3.5");
-  setConfig(config, "phi", "0.25");
   EXPECT_EQ(config.refinement.epsilon, 3.5);
-  EXPECT_EQ(config.phi, 0.25);
-  EXPECT_THROW(setConfig(config, "phi", "1.5"), ConfigError);
   EXPECT_THROW(setConfig(config, "provider", "tpu"), ConfigError);
 }
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/mapping/map_maintenance.h"
 #include "core/support/point_scene.h"
 #include "core/tracking/trajectory_log.h"
 

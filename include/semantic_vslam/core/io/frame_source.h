@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "semantic_vslam/core/camera/rgbd_frame.h"
-#include "semantic_vslam/core/io/trajectory.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
 
 namespace semantic_vslam {
 

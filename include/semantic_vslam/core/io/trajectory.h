@@ -2,25 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "semantic_vslam/core/common/stamp.h"
 #include "semantic_vslam/core/geometry/se3.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
 
 namespace semantic_vslam {
-
-struct TimedPose {
-  Stamp stamp;
-  SE3 T_world_camera = SE3::Identity();
-};
-
-/// @param poses  in order of time
-/// @return the pose that is closest in time, the earlier of two equally close; nullptr if none is within max_gap_s
-const TimedPose* closestPose(const std::vector<TimedPose>& poses, Stamp stamp,
-                             double max_gap_s = std::numeric_limits<double>::infinity());
 
 /// Reads decimal seconds (`1305031102.175304`) digit by digit, so that no nanosecond is lost to floating point; digits
 /// past the ninth decimal are dropped. Scientific notation is accepted too. @return nothing if it is no number.

@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "core/io/broken_frames.h"
 #include "semantic_vslam/core/io/frame_source.h"
 
 namespace semantic_vslam {
+
+class BrokenFrames;
 
 /// A colour image and the depth image that goes with it; paths are relative to the sequence's folder.
 struct TumPair {
@@ -28,11 +29,13 @@ class TumSequence : public FrameSource {
  public:
   /// @throws FileError as readTumPairs() and readTumTrajectory().
   TumSequence(std::string folder, std::shared_ptr<const CameraModel> camera);
+  ~TumSequence() override;
+  TumSequence(TumSequence&&) noexcept;
 
   std::optional<RgbdFrame> next() override;
   void skip(std::size_t count) override { next_ += count; }
   std::size_t size() const override { return pairs_.size(); }
-  std::size_t skippedBroken() const override { return broken_.count(); }
+  std::size_t skippedBroken() const override;
   std::shared_ptr<const CameraModel> camera() const override { return camera_; }
   const std::vector<TimedPose>& groundTruth() const override { return ground_truth_; }
   cv::Mat1b groundTruthMask() const override;
@@ -48,7 +51,7 @@ class TumSequence : public FrameSource {
   std::shared_ptr<const CameraModel> camera_;
   std::vector<TumPair> pairs_;
   std::vector<TimedPose> ground_truth_;
-  BrokenFrames broken_;
+  std::unique_ptr<BrokenFrames> broken_;
   std::size_t next_ = 0;
 };
 

@@ -123,6 +123,7 @@ struct MaskPropagationConfig {
   }
 };
 
+/// The motion stage: group `motion` of SystemConfig.
 struct MotionConfig {
   std::string model = "rigid_flow";
   DenseFlowConfig flow;

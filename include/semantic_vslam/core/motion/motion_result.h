@@ -13,7 +13,17 @@
 namespace semantic_vslam {
 
 /// What explained the camera's own motion between frames n-1 and n.
-enum class MotionModel { kNone, kHomography, kRigidFlow };
+enum class MotionModel { kNone = 0, kHomography = 1, kRigidFlow = 2 };
+
+/// As in the configuration.
+inline const char* motionModelName(MotionModel model) {
+  switch (model) {
+    case MotionModel::kHomography: return "homography";
+    case MotionModel::kRigidFlow: return "rigid_flow";
+    case MotionModel::kNone: break;
+  }
+  return "none";
+}
 
 /// What the motion stage says of one frame.
 struct MotionResult {

@@ -2,25 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "core/features/place_index.h"
-#include "core/loop/loop_corrector.h"
-#include "core/loop/loop_detector.h"
-#include "core/loop/relocalizer.h"
-#include "core/mapping/landmark_triangulation.h"
-#include "core/mapping/map_maintenance.h"
-#include "core/optimization/bundle_adjustment.h"
-#include "core/tracking/tracker.h"
+#include "semantic_vslam/core/features/features_config.h"
+#include "semantic_vslam/core/loop/loop_config.h"
+#include "semantic_vslam/core/mapping/mapping_config.h"
+#include "semantic_vslam/core/optimization/optimization_config.h"
+#include "semantic_vslam/core/tracking/tracking_config.h"
 
 namespace semantic_vslam {
 
 /// The configs of tracking, map upkeep, relocalisation and loop closing together.
 struct SparseSlamConfig {
   TrackerConfig tracking;
-  MapMaintenanceConfig mapping;
+  MapMaintenanceConfig sparse_map;
   TriangulationConfig triangulation;
-  BaConfig local_ba;
+  BaConfig bundle_adjustment;
   PlaceIndexConfig places;
-  RelocalizerConfig relocalisation;
+  RelocalisationConfig relocalisation;
   bool close_loops = true;
   LoopDetectorConfig loop_detection;
   LoopCorrectorConfig loop_correction;
@@ -29,9 +26,9 @@ struct SparseSlamConfig {
   void visit(Visitor& v) {
     v.group("sensor", tracking.frame.sensor);
     v.group("tracking", tracking);
-    v.group("mapping", mapping);
+    v.group("sparse_map", sparse_map);
     v.group("triangulation", triangulation);
-    v.group("local_ba", local_ba);
+    v.group("bundle_adjustment", bundle_adjustment);
     v.group("places", places);
     v.group("relocalisation", relocalisation);
     v.flag("close_loops", close_loops,

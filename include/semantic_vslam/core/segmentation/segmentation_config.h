@@ -4,12 +4,57 @@
 
 #include <string>
 
-#include "core/segmentation/depth_refinement.h"
 #include "semantic_vslam/core/common/stamp.h"
 
 namespace semantic_vslam {
 
-/// Stage 4: the network, the refinement of its masks on depth, and the decision which objects move.
+/// Largest edge of the blocks that masks are refined in, px.
+constexpr int kMaxBlockStride = 8;
+
+/// Cutting of the network's masks to the objects' edges in depth, eq. (2) to (4).
+struct RefinementConfig {
+  bool enabled = true;
+  double epsilon = 2.0;
+  int samples = 100;
+  std::string average = "median";
+  int seed = 1;
+  int stride_px = 3;
+  int min_mask_px = 40;
+  int band_px = 12;
+  double min_region_share = 0.02;
+  double min_thickness_px = 12.0;
+  double object_depth_m = 0.5;
+  double weak_share = 0.4;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.flag("enabled", enabled, "false: the network's masks are used as they are");
+    v.field("weak_share", weak_share, 0.0, 1.0,
+            "a surface of which this share is a person, and the rest may be one (weak_person), is a person as a whole");
+    v.field("epsilon", epsilon, 0.1, 100.0, "eq. (4): growth crosses steps below epsilon times the mask's mean step");
+    v.field("samples", samples, 1, 10000, "eq. (3): random pixels of a mask that its mean step is taken from");
+    v.choice("average", average, {"mean", "median"},
+             "eq. (3) over the samples; the mean is as published, the median ignores samples on the object's edge");
+    v.field("seed", seed, 0, 1000000000, "of the random samples");
+    v.field("stride_px", stride_px, 1, kMaxBlockStride,
+            "regions grow over every so many-th pixel of row and column, and the pixels between go with the one they "
+            "are level with; 1: over all, as published, at five times the cost of 3");
+    v.field("min_mask_px", min_mask_px, 0, 100000, "smaller connected masks are dropped as noise of the network, px");
+    v.field("band_px", band_px, 0, 100,
+            "background inside the mask's border is cut up to this width, px: what lies behind a depth edge or in the "
+            "plane "
+            "outside; 0: only what growth does not reach, as published");
+    v.field("min_region_share", min_region_share, 0.0, 1.0,
+            "regions of a mask beside the seed's are grown too if they hold this share of it; 1: never, as published");
+    v.field("min_thickness_px", min_thickness_px, 0.0, 1000.0,
+            "and are this thick on average, px: a mask that is too large leaves a thin band of what lies behind");
+    v.field("object_depth_m", object_depth_m, 0.0, 10.0,
+            "and if their mean depth lies within this of the seed region's, m: an arm before a body, not the wall; "
+            "people stay at any depth, since two who overlap make one mask");
+  }
+};
+
+/// Stage 3: the network and the refinement of its masks on depth.
 struct SegmentationConfig {
   std::string model;
   std::string sidecar;
@@ -18,18 +63,10 @@ struct SegmentationConfig {
   int arena_mb = 512;
   double longest_gap_s = 0.5;
   double weak_person = 0.1;
-  double phi = 0.4;
   RefinementConfig refinement;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    visitLabelling(v);
-    v.field("phi", phi, 0.0, 1.0, "eq. (5): an object moves when more than this share of its mask moves");
-  }
-
-  /// What makes the labels: all but the decision, which others make who have the masks of motion.
-  template <class Visitor>
-  void visitLabelling(Visitor& v) {
     v.text(
         "model", model,
         "semantic network: an .onnx file, or its name in this package's folder models; empty: motion detection alone");

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "semantic_vslam/core/dense/dense_config.h"
+#include "semantic_vslam/core/pipeline/keyframe_inputs.h"
+#include "semantic_vslam/core/pipeline/messages.h"
+#include "semantic_vslam/core/pipeline/removal.h"
+
+namespace semantic_vslam {
+
+class DenseMapper;
+
+/// Stage 4: the labelled map without people, which follows the keyframes' poses. Knows no thread.
+class DenseStage {
+ public:
+  /// @throws ConfigError
+  DenseStage(const DenseConfig& config, const RemovalConfig& removal);
+  ~DenseStage();
+  DenseStage(DenseStage&&) noexcept;
+
+  /// Adds a keyframe as soon as its place in the world is known; one of a map that was left is passed over.
+  void add(const KeyframeInput& input);
+  /// Takes the poses as they stand. Those of another map begin an empty one.
+  void take(const MapSnapshot& map);
+  /// Other classes than before begin an empty map.
+  void take(const LabelSet& label_set);
+  /// Notices and poses may come in no order: what still comes of a map that was left is not the newest.
+  bool isOfNewestMap(std::uint32_t map_id);
+  void clear();
+
+  DenseMapper& map();
+  const DenseMapper& map() const;
+  const LabelSet& labels() const;
+  /// Keyframes whose place in the world is not known yet.
+  std::size_t waiting() const;
+  /// Grows whenever the map that is served may have changed.
+  std::size_t changes() const;
+
+ private:
+  struct Inside;
+  std::unique_ptr<Inside> inside_;
+};
+
+}  // namespace semantic_vslam

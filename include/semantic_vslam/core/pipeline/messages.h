@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "semantic_vslam/core/common/ids.h"
+#include "semantic_vslam/core/common/stamp.h"
+#include "semantic_vslam/core/map/keyframe_pose.h"
+
+namespace semantic_vslam {
+
+// What goes between the stages, by call, from thread to thread or as ROS messages. Images are shared, never written to.
+
+/// Labels of one frame.
+struct FrameLabels {
+  Stamp stamp;
+  cv::Mat1b labels;  ///< height x width, indices into the network's LabelSet
+};
+
+/// A frame that tracking kept. Who needs its images finds them by the stamp.
+struct KeyframeNotice {
+  KeyframeId id;             ///< unique together with map_id
+  std::uint32_t map_id = 0;  ///< of MapSnapshot
+  Stamp stamp;
+};
+
+/// The sparse map after a step or after its upkeep: one state of it, which nobody changes any more.
+struct MapSnapshot {
+  std::uint32_t map_id = 0;   ///< changes when another map takes the place of the last one: older keyframes are gone
+  std::uint64_t version = 0;  ///< grows with every change of the keyframes or their poses, within one map_id
+  std::vector<KeyframePose> poses;   ///< of the keyframes whose place in the world is known, in the order of ids
+  std::vector<KeyframeId> unplaced;  ///< keyframes of a new map that is not joined with the world yet
+  std::size_t landmarks = 0, loops = 0;
+
+  std::size_t keyframes() const { return poses.size() + unplaced.size(); }
+};
+
+}  // namespace semantic_vslam

@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "semantic_vslam/core/pipeline/pipeline.h"
+#include "semantic_vslam/core/common/abort_flag.h"
+
+#include <utility>
+
+#include "core/dense/dense_mapper.h"
+#include "core/pipeline/sparse_slam.h"
+#include "semantic_vslam/core/common/config_fields.h"
+
+namespace semantic_vslam {
+namespace {
+
+// k1 is the frame before k2: it is named when k2 fits.
+constexpr std::size_t kKeptFrames = 2;
+
+}  // namespace
+
+Pipeline::Pipeline(const SystemConfig& config) : Pipeline(config, LabelStage(config.segmentation)) {}
+
+Pipeline::Pipeline(const SystemConfig& config, std::unique_ptr<Segmenter> segmenter)
+    : Pipeline(config, LabelStage(config.segmentation, std::move(segmenter))) {}
+
+Pipeline::Pipeline(const SystemConfig& config, LabelStage labels)
+    : config_(config),
+      motion_(config.motion, config.label_delay_s),
+      labels_(std::move(labels)),
+      tracking_(config.slam, config.waits, config.removal),
+      inputs_(config.inputs, kKeptFrames),
+      dense_(config.dense, config.removal) {
+  validateConfig(config_);
+  motion_.take(labels_.labels());
+  tracking_.take(labels_.labels());
+  dense_.take(labels_.labels());
+}
+
+StepResult Pipeline::step(const RgbdFrame& frame) {
+  std::optional<MotionResult> motion = findMotion(frame);
+  if (!motion) return {};
+  TrackingInput input{frame, *motion, {}, labels_.enabled()};
+  if (tracking_.wantsLabels(input)) input.labels = label(frame);  // k1 must hold no people
+  StepResult result{track(std::move(input)), std::move(*motion)};
+  for (const KeyframeNotice& keyframe : result.keyframes) map(keyframe, *result.map);
+  if (labels_.isDue(frame.stamp)) label(frame);
+  passBack(frame, result);
+  return result;
+}
+
+/// What moves, by flow and depth and by the labels that have come.
+std::optional<MotionResult> Pipeline::findMotion(const RgbdFrame& frame) {
+  auto timer = times_.scope("motion", frame.index);
+  return motion_.step(frame);
+}
+
+/// Labels of a frame, for the motion stage and the dense map too.
+std::optional<FrameLabels> Pipeline::label(const RgbdFrame& frame) {
+  auto timer = times_.scope("segmentation", frame.index);
+  std::optional<FrameLabels> labels = labels_.step(frame);
+  if (!labels) return std::nullopt;
+  inputs_.put(*labels);
+  motion_.take(*labels);
+  return labels;
+}
+
+TrackingOutput Pipeline::track(TrackingInput input) {
+  const RgbdFrame& frame = input.frame;
+  input.network_runs = labels_.enabled();  // unless it failed on k1
+  inputs_.put(PendingFrame{frame.stamp, 0, [frame] { return frame; }});
+  inputs_.put(frame.stamp, input.motion);
+  tracking_.accepts(frame.stamp, 0, false);
+  TrackingOutput output;
+  {
+    auto timer = times_.scope("tracking", frame.index);
+    output = tracking_.track(input, tracking_.prepare(input));
+  }
+  maintain(output, frame);
+  return output;
+}
+
+/// The map's upkeep, at once.
+void Pipeline::maintain(TrackingOutput& output, const RgbdFrame& frame) {
+  const TrackingStage::Alone at_once = [](const std::function<void()>& use) { use(); };
+  const AbortFlag never{false};
+  for (const KeyframeNotice& keyframe : output.keyframes) {
+    if (tracking_.maintain(keyframe.id, frame.index, times_, at_once, never)) {
+      tracking_.adjustAll(frame.index, times_, at_once, never);
+    }
+  }
+  output.map = tracking_.snapshot();
+}
+
+void Pipeline::map(const KeyframeNotice& keyframe, const MapSnapshot& map) {
+  const KeyframeInputs::Named named = inputs_.name(keyframe);
+  if (labels_.enabled() && named.frame && !inputs_.hasLabels(keyframe.stamp)) label(*named.frame->decode());
+  if (!config_.dense.enabled) return;
+  const std::optional<KeyframeInput> input = inputs_.gather(named, {true, labels_.enabled()});
+  if (!input) return;
+  auto timer = times_.scope("dense_mapping", input->frame.index);
+  dense_.add(*input);
+  dense_.take(map);
+}
+
+/// What the stages before tracking learn of the map.
+void Pipeline::passBack(const RgbdFrame& frame, const TrackingOutput& output) {
+  if (output.posed()) motion_.take(TimedPose{frame.stamp, output.tracking.T_camera_world.inverse()});
+  if (output.map == passed_back_) return;
+  passed_back_ = output.map;
+  motion_.take(*output.map);
+  labels_.take(*output.map);
+}
+
+std::vector<TimedPose> Pipeline::trajectory() const { return slam().trajectory(); }
+std::vector<LabelledPoint> Pipeline::cloud() const { return dense().cloud(); }
+
+void Pipeline::finish() {
+  if (!config_.dense.enabled) return;
+  dense_.take(*tracking_.snapshot());
+  dense_.map().finish();
+}
+
+}  // namespace semantic_vslam

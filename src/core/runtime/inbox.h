@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace semantic_vslam {
+
+/// What other threads have for a stage, kept until the stage's own thread has time for it, in the order it came.
+template <class Stage>
+class Inbox {
+ public:
+  using Letter = std::function<void(Stage&)>;
+
+  void put(Letter letter) {
+    std::lock_guard<std::mutex> lock(mutex_);
+    letters_.push_back(std::move(letter));
+  }
+  void deliver(Stage& stage) {
+    std::vector<Letter> letters;
+    {
+      std::lock_guard<std::mutex> lock(mutex_);
+      letters.swap(letters_);
+    }
+    for (const Letter& letter : letters) letter(stage);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<Letter> letters_;  // guarded by mutex_
+};
+
+}  // namespace semantic_vslam

@@ -43,6 +43,12 @@ class WorkGrid {
   const cv::Mat2f& rays() const { return rays_; }
   /// Ray of a position between cells, bilinear; positions outside are clamped to the image.
   cv::Vec2f rayAt(float x, float y) const;
+  /// @param x, y, z  metres, z > 0  @return position on the grid, in cells (may lie outside).
+  cv::Point2f project(float x, float y, float z) const {
+    float a = x / z, b = y / z;
+    distortPlumbBob(k_, a, b);
+    return {fx_ * a + cx_, fy_ * b + cy_};
+  }
   /// Projects one row of the grid, at the given depths, into a camera that T takes its points to.
   /// @param depth_m  one a cell, metres
   void projectRow(int row, const float* depth_m, const CellTransform& T, ProjectedRow& out) const;

@@ -7,7 +7,7 @@
 `src/core/x.cpp: function, Class::member`     and the file has these names
 `group.key = 2.0`, `kConstant = 64`           a header or source has a value of that name and size
 `Suite.Test`                                  a test under test/ has that name
-Links of all documents lead to files.
+Links of all documents lead to files, and to headings in them.
 """
 import glob
 import os
@@ -86,12 +86,16 @@ class Documents(unittest.TestCase):
     def test_links_lead_somewhere(self):
         for document in LINKING:
             for target in re.findall(r"\]\(([^)\s]+)\)", read(document)):
-                path = target.split("#")[0]
-                if not path or "://" in path:
+                if "://" in target:
                     continue
+                path, _, anchor = target.partition("#")
                 with self.subTest(document=document, target=target):
-                    place = os.path.join(ROOT, os.path.dirname(document), path)
-                    self.assertTrue(os.path.exists(place), f"{document} links to {target}: it is not there")
+                    place = os.path.normpath(os.path.join(os.path.dirname(document), path)) if path else document
+                    self.assertTrue(os.path.exists(os.path.join(ROOT, place)), f"{document} links to {target}: it is not there")
+                    if anchor:
+                        headings = re.findall(r"^#+ (.+)$", read(place), flags=re.MULTILINE)
+                        anchors = [re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings]
+                        self.assertIn(anchor, anchors, f"{document} links to {target}: {place} has no such heading")
 
 
 if __name__ == "__main__":

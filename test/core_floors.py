@@ -5,7 +5,6 @@
 
 usage: core_floors.py REPOSITORY
 """
-import collections
 import glob
 import os
 import re
@@ -38,40 +37,18 @@ ALLOWED_THREADS = {
     "include/semantic_vslam/core/common/stage_timing.h": "stages on several threads enter their times",
     "src/core/common/stage_timing.cpp": "the same",
     "src/core/common/atomic_file.cpp": "names of temporary files differ between threads",
-    "src/core/optimization/abort_callback.h": "a solver looks at a flag between steps, which another thread may set",
-    "src/core/optimization/bundle_adjustment.h": "the same",
-    "src/core/optimization/bundle_adjustment.cpp": "the same",
-    "src/core/optimization/pose_graph.h": "the same",
-    "src/core/optimization/pose_graph.cpp": "the same",
+    "include/semantic_vslam/core/common/abort_flag.h": "a solver looks at it between steps, another thread may set it",
 }
-# Files that still break a rule; to be emptied. An entry that is no longer needed fails, too.
-PIPELINE_HEADERS = {"include/semantic_vslam/core/pipeline/" + name for name in (
-    "loop_closer.h", "shared_map.h", "slam_runner.h", "slam_system.h", "sparse_slam.h")}
-PIPELINE_SOURCES = {"src/core/pipeline/" + name for name in (
-    "loop_closer.cpp", "slam_runner.cpp", "slam_system.cpp", "sparse_slam.cpp")}
-STILL_FLOORS = {
-    "include/semantic_vslam/core/pipeline/slam_runner.h",
-    "include/semantic_vslam/core/pipeline/slam_system.h",
-    "include/semantic_vslam/core/pipeline/sparse_slam.h",
-    "src/core/pipeline/slam_system.cpp",
-    "src/core/pipeline/sparse_slam.cpp",
-}
-STILL_PRIVATE = PIPELINE_HEADERS
-STILL_THREADS = PIPELINE_HEADERS | PIPELINE_SOURCES
 
 
 class Checker:
     def __init__(self, root):
         self.root = root
         self.failures = []
-        self.used = collections.defaultdict(set)
         self.floor = {folder: i for i, folders in enumerate(FLOORS) for folder in folders}
 
-    def fail(self, rule, exceptions, path, line, message):
-        if path in exceptions:
-            self.used[rule].add(path)
-        else:
-            self.failures.append(f"{path}:{line}: {message}")
+    def fail(self, path, line, message):
+        self.failures.append(f"{path}:{line}: {message}")
 
     def check_include(self, path, line, folder, name):
         match = re.match(r"(semantic_vslam/)?(core|eval|ros)/(?:(\w+)/)?", name)
@@ -81,12 +58,12 @@ class Checker:
         if not any(os.path.exists(os.path.join(self.root, place, name)) for place in ("include", "src")):
             return  # a header of ROS
         if side == "ros" or (side == "eval" and folder):
-            self.fail("sides", (), path, line, f"includes {name}, of a side that it must not know")
+            self.fail(path, line, f"includes {name}, of a side that it must not know")
         elif folder and side == "core" and other != folder and self.floor.get(other, 0) >= self.floor.get(folder, 0):
-            self.fail("floors", STILL_FLOORS, path, line, f"{folder} (floor {self.floor.get(folder)}) includes {name} "
+            self.fail(path, line, f"{folder} (floor {self.floor.get(folder)}) includes {name} "
                       f"(floor {self.floor.get(other)})")
         if path.startswith("include/") and not public:
-            self.fail("private", STILL_PRIVATE, path, line, f"a public header includes {name}, which is private")
+            self.fail(path, line, f"a public header includes {name}, which is private")
 
     def check_file(self, path):
         match = re.match(r"(?:src|include/semantic_vslam)/(core|eval)/(?:(\w+)/)?", path)
@@ -102,7 +79,7 @@ class Checker:
                 elif folder and folder != "runtime" and path not in ALLOWED_THREADS:
                     threads = THREADS.search(text.split("//")[0])
                     if threads:
-                        self.fail("threads", STILL_THREADS, path, line, f"{threads.group()} outside src/core/runtime")
+                        self.fail(path, line, f"{threads.group()} outside src/core/runtime")
 
     def check_names(self):
         for header in glob.glob(os.path.join(self.root, "src/ros/*.h")):
@@ -117,9 +94,6 @@ class Checker:
                     if name.endswith((".h", ".cpp")):
                         self.check_file(os.path.relpath(os.path.join(folder, name), self.root))
         self.check_names()
-        for rule, exceptions in (("floors", STILL_FLOORS), ("private", STILL_PRIVATE), ("threads", STILL_THREADS)):
-            for path in sorted(exceptions - self.used[rule]):
-                self.failures.append(f"{path} keeps the rule about {rule} by now: take it off the list")
         return self.failures
 
 

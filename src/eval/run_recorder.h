@@ -8,6 +8,8 @@
 #include "core/dense/dense_mapper.h"
 #include "eval/run_report.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
+#include "semantic_vslam/core/dense/dense_result.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/io/frame_source.h"
 #include "semantic_vslam/core/pipeline/step_result.h"
 

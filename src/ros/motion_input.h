@@ -32,8 +32,8 @@ class MotionInput {
 
   const std::function<void(Stamp, const MotionResult&)> sink_;
   std::mutex mutex_;
-  StampedStore<cv::Mat1b> masks_{30};             // guarded by mutex_; whose report has not come
-  StampedStore<MotionReportConstPtr> reports_{30};  // guarded by mutex_; whose mask has not come
+  StampedStore<cv::Mat1b> masks_{30};                    // guarded by mutex_; whose report has not come
+  StampedStore<MotionReportConstPtr> reports_{30};       // guarded by mutex_; whose mask has not come
   ros::Subscriber mask_subscriber_, report_subscriber_;  // last: callbacks use the above
 };
 

@@ -13,10 +13,10 @@ namespace semantic_vslam {
 class StampOrder {
  public:
   enum class Arrival {
-    kNext,       ///< newer than all before
-    kLate,       ///< not newer, by little: to be passed over
-    kSetBack,    ///< older by far: the clock of a living camera was set back, the stamps to come are those again
-    kPlayedAgain ///< a recording begins, for the first or the second time
+    kNext,        ///< newer than all before
+    kLate,        ///< not newer, by little: to be passed over
+    kSetBack,     ///< older by far: the clock of a living camera was set back, the stamps to come are those again
+    kPlayedAgain  ///< a recording begins, for the first or the second time
   };
 
   /// A driver's clock or the network may put frames out of order by less than this. Drivers step back by more where

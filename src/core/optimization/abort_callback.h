@@ -4,14 +4,14 @@
 
 #include <ceres/iteration_callback.h>
 
-#include <atomic>
+#include "semantic_vslam/core/common/abort_flag.h"
 
 namespace semantic_vslam {
 
 /// Ends a Ceres solve at the next step once a flag is set; the best values so far are kept.
 class AbortCallback : public ceres::IterationCallback {
  public:
-  explicit AbortCallback(const std::atomic<bool>* abort) : abort_(abort) {}
+  explicit AbortCallback(const AbortFlag* abort) : abort_(abort) {}
 
   bool aborted() const { return abort_ != nullptr && abort_->load(); }
   ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
@@ -19,7 +19,7 @@ class AbortCallback : public ceres::IterationCallback {
   }
 
  private:
-  const std::atomic<bool>* abort_;
+  const AbortFlag* abort_;
 };
 
 }  // namespace semantic_vslam

@@ -39,7 +39,6 @@ std::set<std::pair<KeyframeId, KeyframeId>> essentialPairs(const Map& map, int m
     if (keyframe.parent.valid()) pairs.insert(ordered(id, keyframe.parent));
     for (const KeyframeId other : keyframe.loop_edges) pairs.insert(ordered(id, other));
     for (const auto& [other, shared] : map.covisible(id, min_shared)) {
-      static_cast<void>(shared);
       pairs.insert(ordered(id, other));
     }
   }
@@ -72,7 +71,7 @@ PoseGraphProblem selectEssentialGraph(const Map& map, const std::vector<Relative
   return problem;
 }
 
-MapSolution solve(const PoseGraphProblem& problem, const PoseGraphConfig& config, const std::atomic<bool>* abort) {
+MapSolution solve(const PoseGraphProblem& problem, const PoseGraphConfig& config, const AbortFlag* abort) {
   std::vector<std::array<double, 6>> increments(problem.nodes.size(), std::array<double, 6>{});
   ceres::Problem ceres_problem;
   for (const auto& edge : problem.edges) {

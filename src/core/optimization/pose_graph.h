@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <vector>
 
 #include "core/map/map.h"
+#include "semantic_vslam/core/common/abort_flag.h"
 #include "semantic_vslam/core/geometry/se3.h"
 #include "semantic_vslam/core/optimization/optimization_config.h"
 
@@ -41,7 +41,7 @@ PoseGraphProblem selectEssentialGraph(const Map& map, const std::vector<Relative
 /// @param config  valid (its owner has validated it)
 /// @param abort   looked at between steps; may be nullptr. What was reached till then is the solution.
 /// @return the poses of the free nodes; no landmarks.
-MapSolution solve(const PoseGraphProblem& problem, const PoseGraphConfig& config, const std::atomic<bool>* abort);
+MapSolution solve(const PoseGraphProblem& problem, const PoseGraphConfig& config, const AbortFlag* abort);
 
 /// Completes a solution that moves the whole map (pose graph, global adjustment) with what its problem did not hold:
 /// keyframes made since move rigidly with their parent, landmarks with their reference keyframe.

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <atomic>
 #include <vector>
 
 #include "core/loop/loop_detector.h"
 #include "core/pipeline/sparse_state.h"
+#include "semantic_vslam/core/common/abort_flag.h"
 #include "semantic_vslam/core/common/stamp.h"
 #include "semantic_vslam/core/pipeline/sparse_slam_config.h"
 
@@ -30,7 +30,7 @@ class LoopCloser {
   /// @return whether a loop was closed
   bool closeAt(KeyframeId keyframe, const Alone& alone);
   /// Global bundle adjustment. @param abort  ends it early, with nothing changed
-  void adjustAll(const Alone& alone, const std::atomic<bool>& abort);
+  void adjustAll(const Alone& alone, const AbortFlag& abort);
 
   /// Every loop closed in this map, in order.
   const std::vector<ClosedLoop>& closedLoops() const { return closed_; }

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/pipeline/pipeline.h"
+#include "semantic_vslam/core/common/abort_flag.h"
 
-#include <atomic>
 #include <utility>
 
 #include "core/dense/dense_mapper.h"
+#include "core/pipeline/sparse_slam.h"
 #include "semantic_vslam/core/common/config_fields.h"
 
 namespace semantic_vslam {
@@ -42,7 +43,7 @@ StepResult Pipeline::step(const RgbdFrame& frame) {
   StepResult result{track(std::move(input)), std::move(*motion)};
   for (const KeyframeNotice& keyframe : result.keyframes) map(keyframe, *result.map);
   if (labels_.isDue(frame.stamp)) label(frame);
-  passBack(*result.map);
+  passBack(frame, result);
   return result;
 }
 
@@ -80,7 +81,7 @@ TrackingOutput Pipeline::track(TrackingInput input) {
 /// The map's upkeep, at once.
 void Pipeline::maintain(TrackingOutput& output, const RgbdFrame& frame) {
   const TrackingStage::Alone at_once = [](const std::function<void()>& use) { use(); };
-  const std::atomic<bool> never{false};
+  const AbortFlag never{false};
   for (const KeyframeNotice& keyframe : output.keyframes) {
     if (tracking_.maintain(keyframe.id, frame.index, times_, at_once, never)) {
       tracking_.adjustAll(frame.index, times_, at_once, never);
@@ -101,10 +102,16 @@ void Pipeline::map(const KeyframeNotice& keyframe, const MapSnapshot& map) {
 }
 
 /// What the stages before tracking learn of the map.
-void Pipeline::passBack(const MapSnapshot& map) {
-  motion_.take(map);
-  labels_.take(map);
+void Pipeline::passBack(const RgbdFrame& frame, const TrackingOutput& output) {
+  if (output.posed()) motion_.take(TimedPose{frame.stamp, output.tracking.T_camera_world.inverse()});
+  if (output.map == passed_back_) return;
+  passed_back_ = output.map;
+  motion_.take(*output.map);
+  labels_.take(*output.map);
 }
+
+std::vector<TimedPose> Pipeline::trajectory() const { return slam().trajectory(); }
+std::vector<LabelledPoint> Pipeline::cloud() const { return dense().cloud(); }
 
 void Pipeline::finish() {
   if (!config_.dense.enabled) return;

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -12,6 +11,7 @@
 #include "core/loop/map_joiner.h"
 #include "core/pipeline/loop_closer.h"
 #include "core/pipeline/sparse_state.h"
+#include "semantic_vslam/core/common/abort_flag.h"
 #include "semantic_vslam/core/common/stage_timing.h"
 #include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/map/keyframe_pose.h"
@@ -56,9 +56,9 @@ class SparseSlam {
   /// @param abort  ends the adjustment early, with what it reached
   /// @return whether a loop was closed: adjustAll() should follow
   bool maintain(KeyframeId keyframe, std::uint64_t frame, StageTimes& times, const Alone& alone,
-                const std::atomic<bool>& abort);
+                const AbortFlag& abort);
   /// Global bundle adjustment. @param abort  ends it early, with nothing changed
-  void adjustAll(std::uint64_t frame, StageTimes& times, const Alone& alone, const std::atomic<bool>& abort);
+  void adjustAll(std::uint64_t frame, StageTimes& times, const Alone& alone, const AbortFlag& abort);
 
   /// All of these at once, on one thread: the same input gives the same output.
   SparseStep step(const RgbdFrame& frame, const cv::Mat1b& dynamic, StageTimes& times, bool localization_only = false);
@@ -109,7 +109,7 @@ class SparseSlam {
   void dropAbandoned();
   KeyframeId insert(const TrackedFrame& frame);
   void insertLast(SparseStep& step);
-  void adjustAround(KeyframeId keyframe, const Alone& alone, const std::atomic<bool>& abort);
+  void adjustAround(KeyframeId keyframe, const Alone& alone, const AbortFlag& abort);
 
   const SparseSlamConfig config_;
   SparseState state_;

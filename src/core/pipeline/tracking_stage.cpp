@@ -119,12 +119,11 @@ TrackingOutput TrackingStage::track(const TrackingInput& input, const Prepared& 
 }
 
 bool TrackingStage::maintain(KeyframeId keyframe, std::uint64_t frame, StageTimes& times, const Alone& alone,
-                             const std::atomic<bool>& abort) {
+                             const AbortFlag& abort) {
   return inside_->slam.maintain(keyframe, frame, times, alone, abort);
 }
 
-void TrackingStage::adjustAll(std::uint64_t frame, StageTimes& times, const Alone& alone,
-                              const std::atomic<bool>& abort) {
+void TrackingStage::adjustAll(std::uint64_t frame, StageTimes& times, const Alone& alone, const AbortFlag& abort) {
   inside_->slam.adjustAll(frame, times, alone, abort);
 }
 

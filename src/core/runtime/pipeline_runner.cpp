@@ -78,8 +78,7 @@ PipelineRunner::Threads::Threads(const SystemConfig& config, LabelStage labels, 
   labels_ = std::make_unique<LabelRunner>(
       std::move(labels), kKeptFrames,
       [this](const auto& frame, const auto& labelled, StepTime taken) { onLabels(frame, labelled, taken); });
-  tracking_ =
-      std::make_unique<TrackingRunner>(std::move(tracking), config_.waits, kWaitingFrames, trackingHooks());
+  tracking_ = std::make_unique<TrackingRunner>(std::move(tracking), config_.waits, kWaitingFrames, trackingHooks());
   motion_ = std::make_unique<MotionRunner>(
       std::move(motion), kWaitingFrames,
       [this](const auto& frame, const auto& result, StepTime taken) { onMotion(frame, result, taken); });
@@ -132,6 +131,7 @@ void PipelineRunner::Threads::onLabels(const RgbdFrame& frame, const FrameLabels
 
 void PipelineRunner::Threads::onTracked(const TrackingInput& input, const TrackingOutput& output) {
   ++tracked_;
+  if (output.posed()) motion_->take(TimedPose{input.frame.stamp, output.tracking.T_camera_world.inverse()});
   for (const KeyframeNotice& keyframe : output.keyframes) {
     labels_->ask(keyframe.stamp);
     if (config_.dense.enabled) dense_->name(keyframe);
@@ -180,8 +180,8 @@ void PipelineRunner::Threads::finish() {
 PipelineRunner::PipelineRunner(const SystemConfig& config, Sink sink)
     : threads_(std::make_unique<Threads>(config, LabelStage(config.segmentation), std::move(sink))) {}
 PipelineRunner::PipelineRunner(const SystemConfig& config, std::unique_ptr<Segmenter> segmenter, Sink sink)
-    : threads_(std::make_unique<Threads>(config, LabelStage(config.segmentation, std::move(segmenter)),
-                                         std::move(sink))) {}
+    : threads_(
+          std::make_unique<Threads>(config, LabelStage(config.segmentation, std::move(segmenter)), std::move(sink))) {}
 PipelineRunner::~PipelineRunner() = default;
 
 bool PipelineRunner::push(const RgbdFrame& frame) { return threads_->push(frame); }

@@ -78,8 +78,7 @@ TEST(Pipeline, FollowsTheCameraThroughPeople) {
 }
 
 TEST(Pipeline, TheSameInputGivesTheSameBytes) {
-  const Outcome a = run(SystemConfig()),
-                b = run(SystemConfig());
+  const Outcome a = run(SystemConfig()), b = run(SystemConfig());
   ASSERT_EQ(a.trajectory.size(), b.trajectory.size());
   for (std::size_t i = 0; i < a.trajectory.size(); ++i) {
     EXPECT_EQ(a.trajectory[i].T_world_camera.matrix(), b.trajectory[i].T_world_camera.matrix()) << i;

@@ -143,7 +143,6 @@ class SlowSegmenter final : public Segmenter {
   LabelSet labels_ = syntheticLabels();
 };
 
-
 TEST(PipelineRunner, FramesBetweenKeyframesDoNotQueueBehindABusyNetwork) {
   std::atomic<int> asked{0}, out{0};
   std::atomic<bool> go{false};
@@ -179,7 +178,8 @@ cv::Mat1b orEmpty(const cv::Mat1b& removed) {
 Decisions byCalls() {
   Decisions out;
   Pipeline pipeline(SystemConfig(), std::make_unique<NotingNetwork>(out.labelled));
-  for (const SyntheticFrame& synthetic : frames()) out.removed.push_back(orEmpty(pipeline.step(synthetic.frame).removed));
+  for (const SyntheticFrame& synthetic : frames())
+    out.removed.push_back(orEmpty(pipeline.step(synthetic.frame).removed));
   pipeline.finish();
   out.trajectory = pipeline.slam().trajectory();
   out.cloud = pipeline.dense().cloud();
@@ -190,8 +190,9 @@ Decisions onThreads() {
   Decisions out;
   SystemConfig config;
   config.waits.mask_budget_ms = 1000;  // what is compared is what they decide, not how fast
-  PipelineRunner runner(config, std::make_unique<NotingNetwork>(out.labelled),
-                        [&](const RgbdFrame&, const StepResult& step) { out.removed.push_back(orEmpty(step.removed)); });
+  PipelineRunner runner(
+      config, std::make_unique<NotingNetwork>(out.labelled),
+      [&](const RgbdFrame&, const StepResult& step) { out.removed.push_back(orEmpty(step.removed)); });
   for (const SyntheticFrame& synthetic : frames()) {
     runner.push(synthetic.frame);
     runner.settle();

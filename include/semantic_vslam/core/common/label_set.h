@@ -12,6 +12,7 @@ namespace semantic_vslam {
 /// How a class behaves. People never enter map or pose; movable things only while they stand still, by eq. (5).
 enum class Mobility { kStatic, kMovable, kPerson };
 
+/// One class that a network tells apart.
 struct LabelClass {
   std::string name;
   Mobility mobility = Mobility::kStatic;

@@ -22,6 +22,7 @@ struct StageTime {
   double cpu_ms = 0.0;  ///< of the thread that ran the stage
 };
 
+/// How times are spread.
 struct TimeQuantiles {
   double median_ms = 0.0;
   double p95_ms = 0.0;

@@ -4,6 +4,7 @@
 
 namespace semantic_vslam {
 
+/// Which of a keyframe's pixels become points of the dense map.
 struct KeyframeCloudConfig {
   int stride_px = 2;
   double min_depth_m = 0.3;
@@ -30,6 +31,7 @@ struct KeyframeCloudConfig {
   }
 };
 
+/// The voxels of the dense map, and what makes them occupied or free.
 struct VoxelMapConfig {
   double resolution_m = 0.03;
   double hit_probability = 0.7;
@@ -58,6 +60,7 @@ struct VoxelMapConfig {
   }
 };
 
+/// The grid for navigation: a view from above on a band of heights.
 struct OccupancyGridConfig {
   double resolution_m = 0.06;
   double floor_height_m = 0.0;
@@ -78,6 +81,7 @@ struct OccupancyGridConfig {
   }
 };
 
+/// Which labelled points of the cloud make one object.
 struct MapObjectsConfig {
   double cell_m = 0.06;
   int min_points = 100;
@@ -91,6 +95,7 @@ struct MapObjectsConfig {
   }
 };
 
+/// The dense map: group `dense` of SystemConfig.
 struct DenseConfig {
   bool enabled = true;
   double cloud_resolution_m = 0.01;

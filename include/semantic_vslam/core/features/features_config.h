@@ -4,6 +4,7 @@
 
 namespace semantic_vslam {
 
+/// How many ORB features a frame gets, and where.
 struct OrbConfig {
   int features = 1000;
   int fast_threshold = 30;  // FAST takes as long as there are corners; at 20 five in six are thrown away again
@@ -22,6 +23,7 @@ struct OrbConfig {
   }
 };
 
+/// The index that finds keyframes by appearance.
 struct PlaceIndexConfig {
   int max_features = 500;
   int leaf_size = 64;

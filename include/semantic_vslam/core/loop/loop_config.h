@@ -6,7 +6,8 @@
 
 namespace semantic_vslam {
 
-struct RelocalizerConfig {
+/// Finding the camera in the map without a start.
+struct RelocalisationConfig {
   int max_candidates = 5;
   int neighbours = 10;
   double match_ratio = 0.8;
@@ -38,6 +39,7 @@ struct RelocalizerConfig {
   }
 };
 
+/// What it takes to believe that the camera is back at a known place.
 struct LoopDetectorConfig {
   double min_score = 0.02;
   double min_score_share = 0.5;
@@ -50,7 +52,7 @@ struct LoopDetectorConfig {
   double max_drift_base_m = 0.3;
   double max_drift_rad_per_m = 0.03;
   double max_drift_base_rad = 0.15;
-  RelocalizerConfig verification;
+  RelocalisationConfig verification;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -75,6 +77,7 @@ struct LoopDetectorConfig {
   }
 };
 
+/// Bending the map to a closed loop.
 struct LoopCorrectorConfig {
   double fuse_radius_px = 5.0;
   int neighbours = 10;

@@ -4,6 +4,7 @@
 
 namespace semantic_vslam {
 
+/// Which landmarks and keyframes the sparse map gets and keeps.
 struct MapMaintenanceConfig {
   int min_new_points = 100;
   double min_found_share = 0.25;
@@ -36,6 +37,7 @@ struct MapMaintenanceConfig {
   }
 };
 
+/// Landmarks of points whose depth is missing or too uncertain: from two views.
 struct TriangulationConfig {
   int neighbours = 10;
   double min_parallax_deg = 1.0;

@@ -6,6 +6,7 @@
 
 namespace semantic_vslam {
 
+/// Pose of one camera from matches with fixed points.
 struct PoseOptimizerConfig {
   int rounds = 4;
   int iterations = 10;
@@ -30,6 +31,7 @@ struct FramePoseConfig {
   }
 };
 
+/// Pose of one camera without a start, from matches of which many may be wrong.
 struct PoseRansacConfig {
   int iterations = 200;
   double tolerance = 2.0;
@@ -44,6 +46,7 @@ struct PoseRansacConfig {
   }
 };
 
+/// Bundle adjustment: keyframes and landmarks together.
 struct BaConfig {
   int max_keyframes = 15;
   int max_fixed_keyframes = 20;
@@ -63,6 +66,7 @@ struct BaConfig {
   }
 };
 
+/// The graph of keyframe poses that a closed loop bends.
 struct PoseGraphConfig {
   int min_shared = 100;
   int iterations = 50;

@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
-#include "semantic_vslam/core/map/keyframe_pose.h"
 #include "semantic_vslam/core/common/ids.h"
 #include "semantic_vslam/core/common/stamp.h"
+#include "semantic_vslam/core/map/keyframe_pose.h"
 
 namespace semantic_vslam {
 

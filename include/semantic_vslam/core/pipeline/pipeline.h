@@ -3,7 +3,10 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
+#include "semantic_vslam/core/dense/dense_result.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/pipeline/config.h"
 #include "semantic_vslam/core/pipeline/dense_stage.h"
 #include "semantic_vslam/core/pipeline/label_stage.h"
@@ -12,8 +15,8 @@
 
 namespace semantic_vslam {
 
-/// The four stages wired by calls: everything of a frame is done within step(), and the same bytes come out for the same
-/// bytes in. PipelineRunner wires the same stages on threads, the nodelets by topics.
+/// The four stages wired by calls: everything of a frame is done within step(), and the same bytes come out for the
+/// same bytes in. PipelineRunner wires the same stages on threads, the nodelets by topics.
 class Pipeline {
  public:
   /// Opens the network, if one is configured. @throws ConfigError, ModelError
@@ -26,6 +29,10 @@ class Pipeline {
   /// Brings the dense map to the keyframes' last poses. Call before reading results.
   void finish();
 
+  /// Of all frames whose place in the world is known.
+  std::vector<TimedPose> trajectory() const;
+  /// The labelled points of the dense map, in the world.
+  std::vector<LabelledPoint> cloud() const;
   const SparseSlam& slam() const { return tracking_.slam(); }
   const DenseMapper& dense() const { return dense_.map(); }
   const LabelSet& labels() const { return labels_.labels(); }
@@ -39,7 +46,7 @@ class Pipeline {
   TrackingOutput track(TrackingInput input);
   void maintain(TrackingOutput& output, const RgbdFrame& frame);
   void map(const KeyframeNotice& keyframe, const MapSnapshot& map);
-  void passBack(const MapSnapshot& map);
+  void passBack(const RgbdFrame& frame, const TrackingOutput& output);
 
   const SystemConfig config_;
   StageTimes times_;
@@ -48,6 +55,7 @@ class Pipeline {
   TrackingStage tracking_;
   KeyframeInputs inputs_;
   DenseStage dense_;
+  std::shared_ptr<const MapSnapshot> passed_back_;
 };
 
 }  // namespace semantic_vslam

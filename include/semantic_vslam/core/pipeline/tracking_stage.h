@@ -3,7 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <atomic>
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "semantic_vslam/core/camera/rgbd_frame.h"
+#include "semantic_vslam/core/common/abort_flag.h"
 #include "semantic_vslam/core/common/stage_timing.h"
 #include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/motion/motion_result.h"
@@ -113,8 +114,8 @@ class TrackingStage {
   /// See SparseSlam.
   using Alone = std::function<void(const std::function<void()>&)>;
   bool maintain(KeyframeId keyframe, std::uint64_t frame, StageTimes& times, const Alone& alone,
-                const std::atomic<bool>& abort);
-  void adjustAll(std::uint64_t frame, StageTimes& times, const Alone& alone, const std::atomic<bool>& abort);
+                const AbortFlag& abort);
+  void adjustAll(std::uint64_t frame, StageTimes& times, const Alone& alone, const AbortFlag& abort);
 
   void take(const LabelSet& label_set);
   void reset();

@@ -29,8 +29,8 @@ class PipelineRunner {
 
   /// Returns at once. @return false if the sink has failed: no frame is taken any more, and finish() tells why
   bool push(const RgbdFrame& frame);
-  /// Returns when nothing of the frames so far is left to do but global bundle adjustment: after it the next frame finds
-  /// what Pipeline gives it.
+  /// Returns when nothing of the frames so far is left to do but global bundle adjustment: after it the next frame
+  /// finds what Pipeline gives it.
   void settle();
   /// Returns when every frame that was pushed and not dropped has come out of the sink, and the maps are complete. No
   /// push() after it. @throws what the first failing call of the sink threw

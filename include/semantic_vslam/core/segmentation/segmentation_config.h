@@ -11,6 +11,7 @@ namespace semantic_vslam {
 /// Largest edge of the blocks that masks are refined in, px.
 constexpr int kMaxBlockStride = 8;
 
+/// Cutting of the network's masks to the objects' edges in depth, eq. (2) to (4).
 struct RefinementConfig {
   bool enabled = true;
   double epsilon = 2.0;

@@ -7,6 +7,7 @@
 
 namespace semantic_vslam {
 
+/// Finding the last frame's points again.
 struct FrameTrackerConfig : FramePoseConfig {
   double search_radius_px = 15.0;
   int minimum_matches = 20;
@@ -21,6 +22,7 @@ struct FrameTrackerConfig : FramePoseConfig {
   }
 };
 
+/// What the first two frames of a map must hold.
 struct InitializerConfig {
   int min_points = 200;
   int min_inliers = 80;
@@ -34,6 +36,7 @@ struct InitializerConfig {
   }
 };
 
+/// The part of the map that is looked for in a frame.
 struct LocalMapConfig {
   int max_keyframes = 60;
   int neighbours = 10;
@@ -53,6 +56,7 @@ struct LocalMapConfig {
   }
 };
 
+/// When a frame becomes a keyframe.
 struct KeyframePolicyConfig {
   int max_gap_frames = 30;
   int min_gap_frames = 3;
@@ -81,6 +85,7 @@ struct KeyframePolicyConfig {
   }
 };
 
+/// Tracking: group `tracking` of SystemConfig.
 struct TrackerConfig {
   int min_inliers = 30;
   double recently_lost_s = 1.0;

@@ -94,19 +94,6 @@ std::vector<KeyframeId> keyframeGroup(const Map& map, KeyframeId id, int neighbo
   return group;
 }
 
-std::vector<LandmarkId> landmarksSeenBy(const Map& map, const std::vector<KeyframeId>& keyframes) {
-  std::vector<LandmarkId> ids;
-  for (const KeyframeId id : keyframes) {
-    const Keyframe* keyframe = map.keyframe(id);
-    if (keyframe == nullptr) continue;
-    std::copy_if(keyframe->landmarks.begin(), keyframe->landmarks.end(), std::back_inserter(ids),
-                 [](LandmarkId landmark) { return landmark.valid(); });
-  }
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  return ids;
-}
-
 std::optional<RelocalisationResult> relocaliseAt(const Map& map, const std::vector<KeyframeId>& group,
                                                  const TrackedFrame& frame, const FramePoseConfig& tracker,
                                                  const RelocalisationConfig& config) {

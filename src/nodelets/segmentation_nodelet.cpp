@@ -68,6 +68,8 @@ void SegmentationNodelet::start() {
   ros::NodeHandle nh = getNodeHandle(), private_nh = getPrivateNodeHandle();
   config_ = loadParameters<SegmentationNodeletConfig>(private_nh);
   std::optional<LabelStage> stage = openNetwork();
+  info_publisher_ = nh.advertise<LabelInfo>("segmentation/label_info", 1, true);
+  info_publisher_.publish(toRos(stage ? stage->labels() : LabelSet()));  // the background alone: nobody labels
   if (!stage && !network_failed_) return;
   diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "segmentation", config_.budget_ms);
   if (stage) run(std::move(*stage), nh, private_nh);
@@ -91,8 +93,6 @@ std::optional<LabelStage> SegmentationNodelet::openNetwork() {
 void SegmentationNodelet::run(LabelStage stage, ros::NodeHandle nh, ros::NodeHandle private_nh) {
   labels_publisher_ = nh.advertise<sensor_msgs::Image>("segmentation/labels", 5);
   overlay_publisher_ = nh.advertise<sensor_msgs::Image>("segmentation/overlay", 1);
-  info_publisher_ = nh.advertise<LabelInfo>("segmentation/label_info", 1, true);
-  info_publisher_.publish(toRos(stage.labels()));
   converter_.emplace(config_.frames.input);
   runner_ = std::make_unique<LabelRunner>(
       std::move(stage), config_.frames.kept_frames,

@@ -77,7 +77,7 @@ class TrackingNodelet final : public StageNodelet {
   std::atomic<TrackingState> state_{TrackingState::kInitialising};
   std::atomic<int> inliers_{0};
   std::atomic<std::size_t> posed_{0}, lost_{0}, keyframes_{0}, landmarks_{0}, loops_{0};
-  std::atomic<bool> paused_{false}, labels_seen_{false};
+  std::atomic<bool> paused_{false}, labels_seen_{false}, nobody_labels_{false};
   std::unique_ptr<StageDiagnostics> diagnostics_;
   std::unique_ptr<TrackingRunner> runner_;
   // Last, so that callbacks stop before what they use is gone.
@@ -123,11 +123,11 @@ void TrackingNodelet::run(ros::NodeHandle nh, std::uint32_t first_map_id) {
                                              config_.waits, config_.input.queue_size, std::move(hooks));
 }
 
-/// A network that was there and is gone has broken down; one that was not seen yet may still be loading.
+/// A network that was there and is gone has broken down; one that nothing was heard of yet may still be loading.
 Running TrackingNodelet::running() {
   const bool network = labels_.getNumPublishers() > 0;
   if (network) labels_seen_ = true;
-  return {motion_->runs(), network || !labels_seen_};
+  return {motion_->runs(), network || (!labels_seen_ && !nobody_labels_)};
 }
 
 void TrackingNodelet::subscribe(ros::NodeHandle nh, ros::NodeHandle private_nh) {
@@ -135,8 +135,10 @@ void TrackingNodelet::subscribe(ros::NodeHandle nh, ros::NodeHandle private_nh) 
       nh, [this](Stamp stamp, const MotionResult& motion) { runner_->take(stamp, motion); });
   labels_ = nh.subscribe<sensor_msgs::Image>(
       "segmentation/labels", 2, labelsFromRos([this](const FrameLabels& labels) { runner_->take(labels); }));
-  subscribers_.push_back(nh.subscribe<LabelInfo>(
-      "segmentation/label_info", 1, [this](const LabelInfoConstPtr& info) { runner_->take(fromRos(*info)); }));
+  subscribers_.push_back(nh.subscribe<LabelInfo>("segmentation/label_info", 1, [this](const LabelInfoConstPtr& info) {
+    nobody_labels_ = info->classes.size() <= 1;  // the background
+    runner_->take(fromRos(*info));
+  }));
   input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.input, [this](const RgbdMessages& messages) {
     PendingFrame pending = converter_->pending(messages, header_);
     pending.decode = [this, messages] { return decode(messages); };

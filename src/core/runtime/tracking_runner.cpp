@@ -42,6 +42,7 @@ void TrackingRunner::take(const FrameLabels& labels) {
 
 void TrackingRunner::take(const LabelSet& label_set) {
   inbox_.put([label_set](TrackingStage& stage) { stage.take(label_set); });
+  inputs_.with([](Inputs&) {});  // whether a network runs may have changed for who waits
 }
 
 void TrackingRunner::alone(const std::function<void()>& use) const {
@@ -69,7 +70,8 @@ void TrackingRunner::step(const PendingFrame& pending) {
     const StepClock clock;
     output = track(input);
     hooks_.tracked(input, output, clock.elapsed());
-    tellChanges();
+    // Where upkeep is due it will tell: the poses are not worth passing on before their adjustment.
+    if (output.keyframes.empty() && upkeepIsDone()) tellChanges();
   }
   requestUpkeep(output, input.frame.index);  // may wait for upkeep, which tells its changes between two frames
 }
@@ -119,7 +121,7 @@ TrackingOutput TrackingRunner::track(const TrackingInput& input) {
   auto timer = times_.scope("tracking", input.frame.index);
   const TrackingStage::Prepared prepared = stage_.prepare(input);
   const TrackingWishes wishes = hooks_.wishes ? hooks_.wishes() : TrackingWishes();
-  const TrackOptions options{localization_only_, pending_upkeep_.with([](int pending) { return pending == 0; })};
+  const TrackOptions options{localization_only_, upkeepIsDone()};
   TrackingOutput output;
   alone([&] { output = stage_.track(input, prepared, options, wishes); });
   return output;
@@ -168,12 +170,16 @@ void TrackingRunner::tellChanges() {
   hooks_.map_changed(now);
 }
 
+bool TrackingRunner::upkeepIsDone() {
+  return pending_upkeep_.with([](int pending) { return pending == 0; });
+}
+
 /// Locks step_mutex_ at a moment when no upkeep is due.
 std::unique_lock<std::mutex> TrackingRunner::lockBetweenUpkeep() {
   while (true) {
     pending_upkeep_.waitWhile([](int pending, double) { return pending > 0 ? 1.0 : 0.0; });
     std::unique_lock<std::mutex> lock(step_mutex_);
-    if (pending_upkeep_.with([](int pending) { return pending == 0; })) return lock;
+    if (upkeepIsDone()) return lock;
   }
 }
 

@@ -29,8 +29,8 @@ class TrackingRunner {
     std::function<Running()> running;  ///< asked while it waits
     /// A frame is done. No reset or loadMap() comes between a frame and this call.
     std::function<void(const TrackingInput&, const TrackingOutput&, StepTime)> tracked;
-    /// Keyframes or their poses have changed: after a frame, or after the map's upkeep. One call at a time, not beside
-    /// `tracked`.
+    /// Keyframes or their poses have changed: after a frame, or after the map's upkeep where some is due. One call at a
+    /// time, not beside `tracked`.
     std::function<void(const std::shared_ptr<const MapSnapshot>&)> map_changed;
     std::function<void(Stamp)> labels_wanted;  ///< the start waits for this frame's labels
     std::function<TrackingWishes()> wishes;    ///< what who looks at the results would like; may be empty
@@ -90,6 +90,7 @@ class TrackingRunner {
   void maintain(const Upkeep& upkeep);
   void maintainMap(const Upkeep& upkeep);
   void tellChanges();
+  bool upkeepIsDone();
   std::unique_lock<std::mutex> lockBetweenUpkeep();
   void alone(const std::function<void()>& use) const;
 

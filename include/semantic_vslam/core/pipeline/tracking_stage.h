@@ -38,7 +38,9 @@ struct TrackingWaits {
     v.field("mask_budget_ms", mask_budget_ms, 0, 1000,
             "ms a frame waits for its motion mask before it is tracked without; two frames at 30 Hz");
     v.field("init_wait_s", init_wait_s, 0.0, 60.0,
-            "s the start waits for the first labels, so that no person enters the first map; 0 where no network runs");
+            "s the start waits for the first labels, so that no person enters the first map; 0: motion alone must do. "
+            "Where "
+            "no network is configured it does not wait");
   }
 };
 

@@ -15,6 +15,7 @@ import sys
 
 import bench_map
 import bench_motion
+import bench_variations
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 PROGRAMS = os.path.join(ROOT, "build", "release", "devel", "lib", "semantic_vslam")
@@ -45,6 +46,7 @@ def run_once(sequence, camera, out_dir, options=()):
         raise BenchError(f"run_offline on {sequence}: too few frames with a pose to tell the trajectory's error")
     return {"frames": summary["frames"], "posed": summary["posed"], "keyframes": summary["keyframes"],
             "landmarks": summary["landmarks"], "ate_rmse_m": summary["ate_m"]["rmse"],
+            "ate_worst_m": summary["ate_m"]["max"],
             "rpe_rmse_m": summary["rpe_1s_translation_m"]["rmse"],
             **{f"mask_{key}": (summary["mask"] or {}).get(key) for key in ("iou", "precision", "recall")},
             "peak_memory_mb": summary["peak_memory_mb"], "start_s": summary["start_s"],
@@ -81,6 +83,14 @@ def positive(text):
     return number
 
 
+def variation_names(text):
+    names = text.split(",")
+    unknown = [name for name in names if name not in bench_variations.NAMES]
+    if unknown:
+        raise argparse.ArgumentTypeError("there is no variation " + ", ".join(unknown))
+    return names
+
+
 def parse_arguments():
     parser = argparse.ArgumentParser(prog="./run bench", description=__doc__.splitlines()[0])
     parser.add_argument("sequences", nargs="*", help="TUM folders (default: %s in ../shared/data)" % ", ".join(DEFAULT_SEQUENCES))
@@ -91,10 +101,16 @@ def parse_arguments():
     part = parser.add_mutually_exclusive_group()
     for name, function in {**bench_motion.PARTS, "loops": bench_map.loops, **bench_map.PARTS}.items():
         part.add_argument("--" + name, dest="part", action="store_const", const=name, help=function.__doc__)
+    part.add_argument("--variations", dest="part", action="store_const", const="variations",
+                      help="Each sequence backwards, from other frames, slower, and with worse pictures, without a network "
+                           "and with it")
     part.add_argument("--backend", dest="part", action="store_const", const="backend",
                       help="All figures of the first sequence and its map in one table, with --places, --recovery, "
                            "--growth and --loops, each beside what is asked. Takes hours with all --seeds")
     parser.add_argument("--seeds", type=positive, default=bench_map.LOOP_SEEDS, help="seeds of --loops (default %(default)s)")
+    parser.add_argument("--only", type=variation_names, default=bench_variations.NAMES, metavar="NAME,...",
+                        help="those of --variations: " + ", ".join(bench_variations.NAMES))
+    parser.add_argument("--frames", type=positive, help="frames of each sequence that --variations takes")
     return parser.parse_args()
 
 
@@ -114,6 +130,21 @@ def run_part(name, sequences, camera, runs, network, out_dir):
             return outcomes
         results[label], table_text = bench_motion.PARTS[name](run_variant, network)
         text += f"{label}, network: {os.path.basename(network) or 'none'}\n{table_text}\n\n"
+    return results, text
+
+
+def run_variations(sequences, camera, network, names, frames, out_dir):
+    """@return numbers, text"""
+    results, text = {}, ""
+    for sequence in sequences:
+        label = os.path.basename(os.path.normpath(sequence))
+        for model in ("", network) if network else ("",):
+            title = f"{label}, network: {os.path.basename(model) or 'none'}"
+            options = bench_motion.SPARSE + bench_motion.settings(segmentation__model=model)
+            run_dir = os.path.join(out_dir, label, "variations_" + (os.path.basename(model) or "none"))
+            results[title], part = bench_variations.variations(run_once, sequence, camera, options, names, frames, run_dir,
+                                                               lambda name, t=title: print(f"[bench] {t}: {name}", flush=True))
+            text += f"{title}\n{part}\n\n"
     return results, text
 
 
@@ -160,6 +191,8 @@ def main():
     os.makedirs(out_dir, exist_ok=True)
     if arguments.part == "loops" or arguments.part in bench_map.PARTS:
         results, text = run_map_part(arguments.part, sequences[0], arguments.camera, arguments.seeds)
+    elif arguments.part == "variations":
+        results, text = run_variations(sequences, arguments.camera, arguments.network, arguments.only, arguments.frames, out_dir)
     elif arguments.part == "backend":
         results, text = run_backend(sequences[0], arguments.camera, arguments.runs or 1, arguments.seeds, out_dir)
     elif arguments.part:

@@ -20,7 +20,7 @@ cv::Mat3b renderCloud(const std::vector<LabelledPoint>& cloud, const SE3& T_worl
   cv::Mat1f nearest_m(size, std::numeric_limits<float>::infinity());
   const SE3 T_camera_world = T_world_camera.inverse();
   for (const LabelledPoint& point : cloud) {
-    const Eigen::Vector3d p = T_camera_world * Eigen::Vector3d(point.xyz_m[0], point.xyz_m[1], point.xyz_m[2]);
+    const Eigen::Vector3d p = T_camera_world * point.position();
     if (p.z() < kNearestM) continue;
     // The plumb_bob polynomial turns back far outside the image: points there must not fold into it.
     const Eigen::Vector2d ideal_px = camera.projectUndistorted(p);

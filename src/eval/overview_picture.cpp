@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
-#include "core/dense/map_picture.h"
+#include "core/dense/up_direction.h"
 #include "eval/cloud_view.h"
 #include "eval/plot_panel.h"
 #include "eval/trajectory_plot.h"
@@ -43,7 +43,7 @@ std::vector<std::pair<Eigen::Vector3d, cv::Vec3b>> pointsFromAbove(const Overvie
                                                                    double highest_camera_m) {
   std::vector<std::pair<Eigen::Vector3d, cv::Vec3b>> points;
   for (const LabelledPoint& point : content.cloud) {
-    const Eigen::Vector3d p = T * Eigen::Vector3d(point.xyz_m[0], point.xyz_m[1], point.xyz_m[2]);
+    const Eigen::Vector3d p = T * point.position();
     if (p.z() < highest_camera_m + kCutAboveCameraM) points.emplace_back(p, point.bgr);
   }
   std::stable_sort(points.begin(), points.end(),

@@ -4,6 +4,7 @@
 #include <semantic_vslam/LabelInfo.h>
 #include <semantic_vslam/MotionReport.h>
 #include <semantic_vslam/MotionThresholdsConfig.h>
+#include <semantic_vslam/TrackingReport.h>
 
 #include <memory>
 #include <mutex>
@@ -91,6 +92,11 @@ void MotionNodelet::subscribe(ros::NodeHandle nh, ros::NodeHandle private_nh) {
   subscribers_.push_back(nh.subscribe<KeyframePoseArray>(
       "tracking/keyframe_poses", 1,
       [this](const KeyframePoseArrayConstPtr& poses) { runner_->take(fromRos(*poses)); }));
+  subscribers_.push_back(
+      nh.subscribe<TrackingReport>("tracking/state", 10, [this](const TrackingReportConstPtr& report) {
+        if (report->state != TrackingReport::OK) return;
+        runner_->take(TimedPose{fromRos(report->header.stamp), fromRos(report->camera)});
+      }));
   input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.input, [this](const RgbdMessages& messages) {
     PendingFrame pending = converter_->pending(messages);
     pending.decode = [this, messages] {

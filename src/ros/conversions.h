@@ -28,7 +28,7 @@
 #include "core/dense/keyframe_cloud.h"
 #include "core/dense/map_objects.h"
 #include "core/dense/occupancy_grid.h"
-#include "core/dense/semantic_octree.h"
+#include "core/dense/octomap_export.h"
 #include "semantic_vslam/core/camera/camera_model.h"
 #include "semantic_vslam/core/common/label_set.h"
 #include "semantic_vslam/core/common/stamp.h"

@@ -197,6 +197,7 @@ void TrackingPublisher::publishState(const std_msgs::Header& image, const Tracki
   if (!output.removed.empty()) {
     message.dynamic_share = static_cast<float>(cv::countNonZero(output.removed >= 128)) / output.removed.total();
   }
+  message.camera = toPose(*T_map_world_ * output.tracking.T_camera_world.inverse());
   message.cpu_ms = static_cast<float>(time.cpu_ms);
   state_.publish(message);
 }

@@ -117,7 +117,7 @@ struct SavedMapResult {
   double start_s = 0.0;  ///< opening the system and the map
 };
 
-void localiseFrom(const Setup& setup, const std::string& map_file, std::size_t first, SavedMapResult& result) {
+void relocaliseFrom(const Setup& setup, const std::string& map_file, std::size_t first, SavedMapResult& result) {
   TumSequence recording = openTumFolder(setup.arguments);
   recording.skip(first);
   SparseSlam slam(setup.config.slam);
@@ -142,7 +142,7 @@ void localiseFrom(const Setup& setup, const std::string& map_file, std::size_t f
                online.size(), given, result.ate_m.back());
 }
 
-SavedMapResult localiseInSavedMap(const Setup& setup, std::size_t starts) {
+SavedMapResult relocaliseInSavedMap(const Setup& setup, std::size_t starts) {
   const AtomicFile scratch((fs::temp_directory_path() / "measure_recovery.map").string());  // never committed
   const std::string& map_file = scratch.temporary();
   std::size_t frames = 0;
@@ -162,7 +162,7 @@ SavedMapResult localiseInSavedMap(const Setup& setup, std::size_t starts) {
     slam.loadMap(map_file);
     result.start_s = secondsSince(begin);
   }
-  for (std::size_t i = 0; i < starts; ++i) localiseFrom(setup, map_file, (i + 1) * frames / (2 * starts), result);
+  for (std::size_t i = 0; i < starts; ++i) relocaliseFrom(setup, map_file, (i + 1) * frames / (2 * starts), result);
   return result;
 }
 
@@ -175,7 +175,7 @@ int run(const Arguments& arguments) {
   const std::size_t runs = arguments.count("--runs", 10), starts = arguments.count("--starts", 5);
   for (std::size_t i = 1; i <= runs; ++i) playCuts(setup, i, cuts);
   const bool lost_and_kept = coverForGood(setup);
-  const SavedMapResult saved = starts > 0 ? localiseInSavedMap(setup, starts) : SavedMapResult();
+  const SavedMapResult saved = starts > 0 ? relocaliseInSavedMap(setup, starts) : SavedMapResult();
 
   JsonWriter json;
   json.beginObject("cuts");

@@ -77,7 +77,9 @@ std::pair<double, double> colorErrorAfterReprojection(const SyntheticFrame& a, c
   std::vector<double> errors;
   for (int v = 2; v < camera.height() - 2; v += 2) {
     for (int u = 2; u < camera.width() - 2; u += 2) {
-      const Eigen::Vector3d in_b = T_b_a * (camera.rayAtRaw(u, v) * static_cast<double>(a.true_depth_m(v, u)));
+      const cv::Vec2f& ray = camera.rays()(v, u);
+      const double z_m = a.true_depth_m(v, u);
+      const Eigen::Vector3d in_b = T_b_a * Eigen::Vector3d(ray[0] * z_m, ray[1] * z_m, z_m);
       if (in_b.z() < 0.1) continue;
       const Eigen::Vector2d px = camera.projectRaw(in_b);
       if (!camera.contains(px, 2.0)) continue;

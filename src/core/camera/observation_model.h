@@ -62,6 +62,12 @@ inline Eigen::Vector3d whitenedError(const VirtualStereo& camera, const PixelMea
           m.hasDepth() ? (m.disparity_px - predicted.z()) / m.disparity_sigma_px : 0.0};
 }
 
+/// Whether a point can be what was measured: in front of the camera, and its error one that 95 % of the true have.
+inline bool fits(const VirtualStereo& camera, const PixelMeasurement& m, const Eigen::Vector3d& point_camera) {
+  return point_camera.z() >= kMinProjectionDepthM &&
+         whitenedError(camera, m, point_camera).squaredNorm() <= m.chi2Bound();
+}
+
 /// Derivative of whitenedError() by the point in the camera frame, 3x3.
 inline Eigen::Matrix3d whitenedErrorJacobian(const VirtualStereo& camera, const PixelMeasurement& m,
                                              const Eigen::Vector3d& point_camera) {

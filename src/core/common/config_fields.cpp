@@ -5,13 +5,22 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
 namespace config_detail {
+namespace {
+
+/// Old name, present name: files written for an earlier version are refused with a word on how to mend them.
+const std::array<std::pair<std::string, std::string>, 2> kRenamedGroups{
+    {{"mapping", "sparse_map"}, {"local_ba", "bundle_adjustment"}}};
+
+}  // namespace
 
 std::string joinKey(const std::string& prefix, const std::string& name) {
   return prefix.empty() ? name : prefix + "." + name;
@@ -65,7 +74,11 @@ bool parseBool(const std::string& key, const std::string& text) {
 }
 
 void throwUnknownKey(const std::string& key, const std::vector<ConfigEntry>& known) {
-  const std::string leaf = key.substr(key.rfind('.') + 1);
+  const std::string leaf = key.substr(key.rfind('.') + 1), group = key.substr(0, key.find('.'));
+  for (const auto& [old_name, name] : kRenamedGroups) {
+    if (group != old_name) continue;
+    throw ConfigError("configuration key '" + key + "' is now '" + name + key.substr(group.size()) + "'");
+  }
   std::string hint;
   for (const auto& entry : known) {
     if (entry.key.substr(entry.key.rfind('.') + 1) == leaf) hint += (hint.empty() ? "" : ", ") + entry.key;

@@ -11,7 +11,7 @@
 #include "core/dense/free_space.h"
 #include "core/dense/keyframe_cloud.h"
 #include "core/dense/occupancy_grid.h"
-#include "core/dense/semantic_octree.h"
+#include "core/dense/octomap_export.h"
 #include "core/dense/voxel_map.h"
 #include "semantic_vslam/core/dense/dense_config.h"
 #include "semantic_vslam/core/map/keyframe_pose.h"

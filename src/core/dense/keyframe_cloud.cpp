@@ -9,20 +9,12 @@
 
 #include "core/dense/label_votes.h"
 #include "core/dense/voxel_key.h"
+#include "core/labels/dynamic_objects.h"
 
 namespace semantic_vslam {
 namespace {
 
 constexpr std::uint8_t kDynamic = 128;  // as MotionResult::dynamic defines it
-
-/// 255 for the classes of people: a table to look labels up in.
-cv::Mat1b personTable(const LabelSet& label_set) {
-  cv::Mat1b table(1, 256, std::uint8_t{0});
-  for (int label = 0; label < 256; ++label) {
-    if (label_set.mobility(static_cast<std::uint8_t>(label)) == Mobility::kPerson) table(0, label) = 255;
-  }
-  return table;
-}
 
 /// Mean position and colour and the most frequent label of points that share a cube.
 class CellMean {
@@ -51,7 +43,7 @@ cv::Mat1b excludedPixels(const cv::Size& size, const cv::Mat1b& labels, const cv
   assert(labels.empty() || labels.size() == size);
   assert(dynamic.empty() || dynamic.size() == size);
   cv::Mat1b excluded(size, std::uint8_t{0});
-  if (!labels.empty()) cv::LUT(labels, personTable(label_set), excluded);
+  if (!labels.empty()) excluded = maskOfPeople(labels, label_set);
   if (!dynamic.empty()) excluded |= (dynamic >= kDynamic);
   if (config.dynamic_margin_px > 0) {
     const int side = 2 * config.dynamic_margin_px + 1;  // a square: separable, ten times cheaper than a disc

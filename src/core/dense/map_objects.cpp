@@ -26,7 +26,7 @@ Cells fillCells(const std::vector<LabelledPoint>& cloud, double cell_m) {
   Cells cells;
   for (const LabelledPoint& point : cloud) {
     if (point.label == 0) continue;
-    const Eigen::Vector3d p(point.xyz_m[0], point.xyz_m[1], point.xyz_m[2]);
+    const Eigen::Vector3d p = point.position();
     const Eigen::Vector3i index = (p / cell_m).array().floor().cast<int>();
     Cell& cell = cells[{point.label, index.x(), index.y(), index.z()}];
     ++cell.points;

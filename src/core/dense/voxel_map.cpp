@@ -298,8 +298,6 @@ Voxel VoxelMap::voxelAt(const Eigen::Vector3d& point_world) const {
   return voxel(voxelIndexAt(point_world, impl_->config.resolution_m));
 }
 
-Occupancy VoxelMap::stateAt(const Eigen::Vector3d& point_world) const { return voxelAt(point_world).state; }
-
 void VoxelMap::forEachKnown(const std::function<void(const Voxel&)>& visit) const {
   std::vector<VoxelKey> keys;
   keys.reserve(impl_->blocks.size());

@@ -32,7 +32,7 @@ struct Voxel {
 /// is found by projecting voxels into the depth image instead of walking along rays: every voxel is then updated once
 /// a keyframe, none is skipped between two rays, and a surface seen at a flat angle is not eaten away by the rays
 /// beside it. A keyframe of a desk takes 9 ms instead of the 45 ms of OctoMap's discretised, lazy insertion at the same
-/// 3 cm. The map leaves as an OctoMap (semantic_octree.h).
+/// 3 cm. The map leaves as an OctoMap (octomap_export.h).
 ///
 /// Memory: 1 kB a block (1.1 MB for 15 m^3 at 3 cm), and about 30 bytes for each voxel that holds a surface.
 class VoxelMap {
@@ -48,10 +48,9 @@ class VoxelMap {
   /// @param points  in the camera frame, metres
   void integrate(const std::vector<LabelledPoint>& points, const FreeSpaceView& view, const SE3& T_world_camera);
 
-  /// @param point_world  metres
-  Occupancy stateAt(const Eigen::Vector3d& point_world) const;
   /// @return the voxel with this index; state kUnknown and zeros where nothing is known.
   Voxel voxel(const Eigen::Vector3i& index) const;
+  /// @param point_world  metres
   Voxel voxelAt(const Eigen::Vector3d& point_world) const;
   /// Calls back for every voxel that is free or occupied, in a fixed order.
   void forEachKnown(const std::function<void(const Voxel&)>& visit) const;

@@ -25,6 +25,9 @@ struct Feature {
   float angle_rad = 0.0F;          ///< orientation by the intensity centroid
   int octave = 0;                  ///< pyramid level, 0 = full size
   float static_weight = 1.0F;      ///< 1 = surely static, 0 = surely on a moving object; scales its information
+
+  /// Others make no landmarks and tell no place: a wrong landmark costs more than a missing one.
+  bool surelyStatic() const { return static_weight >= 0.5F; }
 };
 
 /// Features of one frame with their descriptors; row i of descriptors belongs to features[i].

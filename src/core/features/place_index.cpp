@@ -12,8 +12,6 @@ namespace semantic_vslam {
 namespace {
 
 constexpr int kDescriptorBits = 256;
-// Features on what may move do not tell a place.
-constexpr float kSurelyStatic = 0.5F;
 // A bit splits a leaf only if the smaller side gets this share (HBST: balanced splits keep the tree shallow).
 constexpr double kMinSplitShare = 0.2;
 
@@ -21,7 +19,7 @@ constexpr double kMinSplitShare = 0.2;
 std::vector<int> drawFeatures(const FrameFeatures& features, int most) {
   std::vector<int> usable;
   for (int i = 0; i < static_cast<int>(features.size()); ++i) {
-    if (features.features[i].static_weight >= kSurelyStatic) usable.push_back(i);
+    if (features.features[i].surelyStatic()) usable.push_back(i);
   }
   const auto count = static_cast<std::int64_t>(usable.size());
   if (count <= most) return usable;

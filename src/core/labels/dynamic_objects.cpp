@@ -58,4 +58,13 @@ std::vector<DynamicObject> decideDynamic(const cv::Mat1b& labels, const LabelSet
   return objects;
 }
 
+cv::Mat1b maskOfPeople(const cv::Mat1b& labels, const LabelSet& label_set) {
+  cv::Mat1b is_person(1, 256, std::uint8_t{0}), people;
+  for (int label = 0; label < 256; ++label) {
+    if (label_set.mobility(static_cast<std::uint8_t>(label)) == Mobility::kPerson) is_person(0, label) = 255;
+  }
+  cv::LUT(labels, is_person, people);
+  return people;
+}
+
 }  // namespace semantic_vslam

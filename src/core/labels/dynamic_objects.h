@@ -29,4 +29,7 @@ struct DynamicObject {
 std::vector<DynamicObject> decideDynamic(const cv::Mat1b& labels, const LabelSet& label_set, const cv::Mat1b& moving,
                                          double phi, cv::Mat1b* removal_mask);
 
+/// @return 255 where the label is a class of people, 0 elsewhere, height x width
+cv::Mat1b maskOfPeople(const cv::Mat1b& labels, const LabelSet& label_set);
+
 }  // namespace semantic_vslam

@@ -3,6 +3,7 @@
 #include "core/loop/loop_corrector.h"
 
 #include "core/map/fuse_landmarks.h"
+#include "core/map/visibility.h"
 
 namespace semantic_vslam {
 namespace {

@@ -14,19 +14,8 @@ namespace semantic_vslam {
 namespace {
 
 constexpr int kMinShared = 15;
-constexpr double kMinViewCosine = 0.5;
 
 Eigen::Vector3d centreOf(const SE3& T_camera_world) { return T_camera_world.inverse().translation(); }
-
-TrackedFrame frameOf(const Keyframe& keyframe) {
-  TrackedFrame frame;
-  frame.stamp = keyframe.stamp;
-  frame.camera = keyframe.camera;
-  frame.features = keyframe.features;
-  frame.grid = FeatureGrid(*keyframe.features, keyframe.camera->width(), keyframe.camera->height());
-  frame.T_camera_world = keyframe.T_camera_world;
-  return frame;
-}
 
 /// The keyframe, those that share any landmark with it, and the neighbours of these: what tracking connects already.
 std::set<KeyframeId> surroundings(const Map& map, KeyframeId id) {
@@ -35,7 +24,6 @@ std::set<KeyframeId> surroundings(const Map& map, KeyframeId id) {
     around.insert(neighbour);
     if (shared < kMinShared) continue;
     for (const auto& [second, second_shared] : map.covisible(neighbour, kMinShared)) {
-      static_cast<void>(second_shared);
       around.insert(second);
     }
   }
@@ -46,7 +34,6 @@ std::set<KeyframeId> surroundings(const Map& map, KeyframeId id) {
 double leastNeighbourScore(const Map& map, const std::vector<PlaceMatch>& matches, KeyframeId id) {
   std::set<KeyframeId> neighbours;
   for (const auto& [neighbour, shared] : map.covisible(id, 2 * kMinShared)) {
-    static_cast<void>(shared);
     neighbours.insert(neighbour);
   }
   double least = neighbours.empty() ? 0.0 : 1.0;
@@ -82,27 +69,16 @@ double wayBetween(const Map& map, KeyframeId from, KeyframeId to) {
   return way_m;
 }
 
-/// Landmarks that a keyframe should see, and those that it does.
-struct Seen {
-  int expected = 0, found = 0;
-};
-
 /// Looks for landmarks in a keyframe as if it were at a pose.
-Seen lookFor(const Map& map, const std::vector<LandmarkId>& landmarks, const Keyframe& keyframe,
-             const SE3& T_camera_world, double radius_px, double virtual_baseline_m) {
-  std::vector<GuidedQuery> queries;
-  for (const LandmarkId id : landmarks) {
-    Sighting sighting;
-    const Landmark& landmark = *map.landmark(id);
-    if (!predictSighting(landmark, *keyframe.camera, T_camera_world, kMinViewCosine, sighting)) continue;
-    queries.push_back(makeGuidedQuery(landmark, sighting, radius_px));
-  }
-  GuidedSearchConfig search;
-  search.max_distance = kMaxDistanceStrict;
-  search.virtual_bf_px_m = static_cast<float>(keyframe.camera->fx() * virtual_baseline_m);
-  const TrackedFrame frame = frameOf(keyframe);
-  const auto matches = searchGuided(queries, *frame.features, frame.grid, {}, search);
-  return {static_cast<int>(queries.size()), static_cast<int>(matches.size())};
+LandmarkSightings lookFor(const Map& map, const std::vector<LandmarkId>& landmarks, const Keyframe& keyframe,
+                          const SE3& T_camera_world, double radius_px, double virtual_baseline_m) {
+  TrackedFrame frame = frameOf(keyframe);
+  frame.T_camera_world = T_camera_world;
+  LandmarkSearch search;
+  search.radius_px = search.oblique_radius_px = radius_px;
+  search.matching.max_distance = kMaxDistanceStrict;
+  search.matching.virtual_bf_px_m = static_cast<float>(keyframe.camera->fx() * virtual_baseline_m);
+  return findLandmarks(map, landmarks, frame, search);
 }
 
 }  // namespace
@@ -155,7 +131,7 @@ std::optional<LoopClosure> LoopDetector::verify(const Map& map, const Keyframe& 
   auto group = keyframeGroup(map, candidate, config_.verification.neighbours);
   group.erase(std::remove_if(group.begin(), group.end(), [&](KeyframeId id) { return around_current.count(id) > 0; }),
               group.end());
-  const auto found = localizeAt(map, group, frameOf(current), tracker_, config_.verification);
+  const auto found = relocaliseAt(map, group, frameOf(current), tracker_, config_.verification);
   if (!found || !driftExplains(map, current, candidate, found->T_camera_world)) return std::nullopt;
   if (!neighboursConfirm(map, current, group, found->T_camera_world)) return std::nullopt;
   LoopClosure closure;
@@ -182,15 +158,15 @@ bool LoopDetector::neighboursConfirm(const Map& map, const Keyframe& current, co
   const auto landmarks = landmarksSeenBy(map, group);
   int confirmed = 0, able = 0, asked = 0;
   for (const auto& [id, shared] : map.covisible(current.id, kMinShared)) {
-    static_cast<void>(shared);
     if (confirmed >= config_.confirming_neighbours || asked++ >= 2 * config_.confirming_neighbours) break;
     const Keyframe& neighbour = *map.keyframe(id);
     const SE3 T_neighbour_world = neighbour.T_camera_world * current.T_camera_world.inverse() * T_current_world;
-    const Seen seen = lookFor(map, landmarks, neighbour, T_neighbour_world, config_.confirming_radius_px,
+    const auto seen = lookFor(map, landmarks, neighbour, T_neighbour_world, config_.confirming_radius_px,
                               tracker_.sensor.virtual_baseline_m);
+    const auto expected = static_cast<int>(seen.visible.size()), found = static_cast<int>(seen.found.size());
     // One that looks elsewhere cannot confirm; where keyframes are few, fewer than wanted can.
-    able += seen.expected >= 2 * config_.min_confirming_matches ? 1 : 0;
-    confirmed += seen.found >= config_.min_confirming_matches ? 1 : 0;
+    able += expected >= 2 * config_.min_confirming_matches ? 1 : 0;
+    confirmed += found >= config_.min_confirming_matches ? 1 : 0;
   }
   return confirmed >= std::clamp(able, std::min(1, config_.confirming_neighbours), config_.confirming_neighbours);
 }

@@ -11,7 +11,7 @@ namespace semantic_vslam {
 namespace {
 
 constexpr int kAgreeing = 3;
-// Twice the spread of a pose found by relocalisation (RelocalizerConfig::max_sigma_m), seen from either side.
+// Twice the spread of a pose found by relocalisation (RelocalisationConfig::max_sigma_m), seen from either side.
 constexpr double kMaxApartM = 0.05, kMaxApartRad = 0.05;
 // Every so many frames are looked up: it takes as long as tracking does.
 constexpr int kSeekEvery = 3;
@@ -38,7 +38,6 @@ bool joinTrees(Map& map, LoopClosure& closure) {
 std::vector<KeyframeId> abandonedTrees(const Map& map, KeyframeId camera_at, int min_keyframes) {
   std::map<KeyframeId, int> sizes;
   for (const auto& [id, root] : map.roots()) {
-    static_cast<void>(id);
     ++sizes[root];
   }
   const KeyframeId own_root = map.rootOf(camera_at);

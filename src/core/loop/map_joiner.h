@@ -43,7 +43,7 @@ class JoinEvidence {
 /// known place joins the maps at once; loop closing, which asks for several keyframes there, does it otherwise.
 class WorldSeeker {
  public:
-  WorldSeeker(const FramePoseConfig& tracker, const RelocalizerConfig& relocalisation)
+  WorldSeeker(const FramePoseConfig& tracker, const RelocalisationConfig& relocalisation)
       : tracker_(tracker), relocalisation_(relocalisation) {}
 
   /// @param T_camera_own  the frame's pose in the new map
@@ -58,7 +58,7 @@ class WorldSeeker {
 
  private:
   FramePoseConfig tracker_;
-  RelocalizerConfig relocalisation_;
+  RelocalisationConfig relocalisation_;
   JoinEvidence evidence_;
   int frames_ = 0;  ///< sought in since the camera is beside the world
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bitset>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -16,11 +17,11 @@ namespace {
 
 // Fewer shared landmarks are often wrong matches (Mur-Artal and Tardos 2015, section III.D).
 constexpr int kMinShared = 15;
-constexpr double kMinViewCosine = 0.5;
 constexpr int kCellColumns = 8, kCellRows = 6;
 
 /// Matches of the frame with the keyframe's landmarks by descriptor alone, entered into the frame.
-int matchByDescriptor(const Map& map, const Keyframe& keyframe, const RelocalizerConfig& config, TrackedFrame& frame) {
+int matchByDescriptor(const Map& map, const Keyframe& keyframe, const RelocalisationConfig& config,
+                      TrackedFrame& frame) {
   std::vector<bool> has_landmark(keyframe.landmarks.size());
   for (std::size_t i = 0; i < has_landmark.size(); ++i) {
     has_landmark[i] = keyframe.landmarks[i].valid() && map.landmark(keyframe.landmarks[i]) != nullptr;
@@ -49,23 +50,13 @@ PoseProblem makeProblem(const Map& map, const TrackedFrame& frame, const FramePo
 void addGuidedMatches(const Map& map, const std::vector<LandmarkId>& landmarks, double radius_px,
                       const FramePoseConfig& tracker, TrackedFrame& frame) {
   const std::set<LandmarkId> known(frame.landmarks.begin(), frame.landmarks.end());
-  std::vector<GuidedQuery> queries;
-  std::vector<LandmarkId> landmark_of_query;
-  for (const LandmarkId id : landmarks) {
-    if (known.count(id) > 0) continue;
-    const Landmark& landmark = *map.landmark(id);
-    Sighting sighting;
-    if (!predictSighting(landmark, *frame.camera, frame.T_camera_world, kMinViewCosine, sighting)) continue;
-    queries.push_back(makeGuidedQuery(landmark, sighting, radius_px));
-    landmark_of_query.push_back(id);
-  }
-  std::vector<bool> taken(frame.landmarks.size());
-  for (std::size_t i = 0; i < taken.size(); ++i) taken[i] = frame.landmarks[i].valid();
-  GuidedSearchConfig search;
-  search.virtual_bf_px_m = static_cast<float>(frame.camera->fx() * tracker.sensor.virtual_baseline_m);
-  for (const auto& match : searchGuided(queries, *frame.features, frame.grid, taken, search)) {
-    frame.landmarks[match.feature] = landmark_of_query[match.query];
-  }
+  std::vector<LandmarkId> missing;
+  std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(missing),
+               [&known](LandmarkId id) { return known.count(id) == 0; });
+  LandmarkSearch search;
+  search.radius_px = search.oblique_radius_px = radius_px;
+  search.matching.virtual_bf_px_m = static_cast<float>(frame.camera->fx() * tracker.sensor.virtual_baseline_m);
+  for (const auto& [id, feature] : findLandmarks(map, missing, frame, search).found) frame.landmarks[feature] = id;
 }
 
 int occupiedCells(const TrackedFrame& frame) {
@@ -80,7 +71,7 @@ int occupiedCells(const TrackedFrame& frame) {
   return static_cast<int>(occupied.count());
 }
 
-bool isSure(const PoseEstimate& estimate, const TrackedFrame& frame, const RelocalizerConfig& config) {
+bool isSure(const PoseEstimate& estimate, const TrackedFrame& frame, const RelocalisationConfig& config) {
   const double sigma_m = std::sqrt(estimate.covariance.diagonal().head<3>().maxCoeff());
   return estimate.success && estimate.inliers >= config.min_inliers && sigma_m <= config.max_sigma_m &&
          occupiedCells(frame) >= config.min_cells;
@@ -97,29 +88,15 @@ std::vector<KeyframeId> keyframeGroup(const Map& map, KeyframeId id, int neighbo
   if (map.keyframe(id) == nullptr) return group;
   group.push_back(id);
   for (const auto& [neighbour, shared] : map.covisible(id, kMinShared)) {
-    static_cast<void>(shared);
     if (static_cast<int>(group.size()) > neighbours) break;
     group.push_back(neighbour);
   }
   return group;
 }
 
-std::vector<LandmarkId> landmarksSeenBy(const Map& map, const std::vector<KeyframeId>& keyframes) {
-  std::vector<LandmarkId> ids;
-  for (const KeyframeId id : keyframes) {
-    const Keyframe* keyframe = map.keyframe(id);
-    if (keyframe == nullptr) continue;
-    std::copy_if(keyframe->landmarks.begin(), keyframe->landmarks.end(), std::back_inserter(ids),
-                 [](LandmarkId landmark) { return landmark.valid(); });
-  }
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  return ids;
-}
-
-std::optional<RelocalisationResult> localizeAt(const Map& map, const std::vector<KeyframeId>& group,
-                                               const TrackedFrame& frame, const FramePoseConfig& tracker,
-                                               const RelocalizerConfig& config) {
+std::optional<RelocalisationResult> relocaliseAt(const Map& map, const std::vector<KeyframeId>& group,
+                                                 const TrackedFrame& frame, const FramePoseConfig& tracker,
+                                                 const RelocalisationConfig& config) {
   if (group.empty() || map.keyframe(group.front()) == nullptr) return std::nullopt;
   TrackedFrame working = frame;
   working.landmarks.assign(working.features->size(), LandmarkId());
@@ -143,7 +120,7 @@ std::optional<RelocalisationResult> localizeAt(const Map& map, const std::vector
 }
 
 std::optional<RelocalisationResult> relocalise(const Map& map, const PlaceIndex& index, const TrackedFrame& frame,
-                                               const FramePoseConfig& tracker, const RelocalizerConfig& config,
+                                               const FramePoseConfig& tracker, const RelocalisationConfig& config,
                                                const std::function<bool(KeyframeId)>& among) {
   std::vector<RelocalisationResult> found;
   std::set<KeyframeId> explained;  // shown by a pose found already
@@ -155,7 +132,7 @@ std::optional<RelocalisationResult> relocalise(const Map& map, const PlaceIndex&
     if (explained.count(match.keyframe) > 0 || (among && !among(match.keyframe))) continue;
     const auto group = keyframeGroup(map, match.keyframe, config.neighbours);
     ++tried;
-    auto result = localizeAt(map, group, frame, tracker, config);
+    auto result = relocaliseAt(map, group, frame, tracker, config);
     if (!result) continue;
     for (const KeyframeId id : keyframeGroup(map, match.keyframe, static_cast<int>(map.keyframes().size()))) {
       explained.insert(id);

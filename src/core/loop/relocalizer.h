@@ -27,22 +27,19 @@ struct RelocalisationResult {
 /// P3P, then two guided searches for the landmarks of the whole group with the optimised pose in between. Accepted with
 /// enough landmarks, spread over the image, and a sure position only.
 /// @param group  keyframes whose landmarks count; the first one is matched by descriptors
-std::optional<RelocalisationResult> localizeAt(const Map& map, const std::vector<KeyframeId>& group,
-                                               const TrackedFrame& frame, const FramePoseConfig& tracker,
-                                               const RelocalizerConfig& config);
+std::optional<RelocalisationResult> relocaliseAt(const Map& map, const std::vector<KeyframeId>& group,
+                                                 const TrackedFrame& frame, const FramePoseConfig& tracker,
+                                                 const RelocalisationConfig& config);
 
 /// Finds the camera anywhere in the map (Mur-Artal and Tardos 2015, section V.C): the keyframes most like the frame are
 /// tried in turn. Nothing is returned rather than a pose of which there are two.
 /// @param frame  features, grid and camera are used
 /// @param among  keyframes that count; empty = all
 std::optional<RelocalisationResult> relocalise(const Map& map, const PlaceIndex& index, const TrackedFrame& frame,
-                                               const FramePoseConfig& tracker, const RelocalizerConfig& config,
+                                               const FramePoseConfig& tracker, const RelocalisationConfig& config,
                                                const std::function<bool(KeyframeId)>& among = {});
 
 /// A keyframe with those it shares most landmarks with, itself first. Empty if it is gone.
 std::vector<KeyframeId> keyframeGroup(const Map& map, KeyframeId id, int neighbours);
-
-/// All landmarks that some keyframes see, each once, in ascending order.
-std::vector<LandmarkId> landmarksSeenBy(const Map& map, const std::vector<KeyframeId>& keyframes);
 
 }  // namespace semantic_vslam

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/map/fuse_landmarks.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "core/features/matcher.h"
 #include "core/map/visibility.h"
 
@@ -9,30 +12,23 @@ namespace semantic_vslam {
 
 int fuseInto(Map& map, const std::vector<LandmarkId>& landmarks, KeyframeId keyframe_id, double virtual_baseline_m,
              double radius_px) {
-  constexpr double kMinViewCosine = 0.5;
   const Keyframe* keyframe = map.keyframe(keyframe_id);
   if (!keyframe) return 0;
-  std::vector<GuidedQuery> queries;
-  std::vector<LandmarkId> landmark_of_query;
-  for (const LandmarkId id : landmarks) {
+  std::vector<LandmarkId> unseen;
+  std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(unseen), [&](LandmarkId id) {
     const Landmark* landmark = map.landmark(id);
-    if (!landmark || landmark->observations.count(keyframe_id) > 0) continue;
-    Sighting sighting;
-    if (!predictSighting(*landmark, *keyframe->camera, keyframe->T_camera_world, kMinViewCosine, sighting)) continue;
-    queries.push_back(makeGuidedQuery(*landmark, sighting, radius_px));
-    landmark_of_query.push_back(id);
-  }
-  GuidedSearchConfig search;
-  search.max_distance = kMaxDistanceStrict;
-  search.virtual_bf_px_m = static_cast<float>(keyframe->camera->fx() * virtual_baseline_m);
-  const FeatureGrid grid(*keyframe->features, keyframe->camera->width(), keyframe->camera->height());
-  const auto matches = searchGuided(queries, *keyframe->features, grid, {}, search);
+    return landmark != nullptr && landmark->observations.count(keyframe_id) == 0;
+  });
+  LandmarkSearch search;
+  search.radius_px = search.oblique_radius_px = radius_px;
+  search.matching.max_distance = kMaxDistanceStrict;
+  search.matching.virtual_bf_px_m = static_cast<float>(keyframe->camera->fx() * virtual_baseline_m);
+  const auto matches = findLandmarks(map, unseen, frameOf(*keyframe), search).found;
 
-  for (const auto& match : matches) {
-    const LandmarkId found = landmark_of_query[match.query];
-    const LandmarkId present = map.keyframe(keyframe_id)->landmarks[match.feature];
+  for (const auto& [found, feature] : matches) {
+    const LandmarkId present = map.keyframe(keyframe_id)->landmarks[feature];
     if (!present.valid()) {
-      map.addObservation(keyframe_id, match.feature, found);
+      map.addObservation(keyframe_id, feature, found);
       map.refreshLandmark(found);
     } else if (map.landmark(found) && map.landmark(present)) {
       const bool found_stays = map.landmark(found)->observations.size() > map.landmark(present)->observations.size();

@@ -103,7 +103,6 @@ bool Map::addObservation(KeyframeId keyframe_id, int feature_index, LandmarkId l
   if (!landmark->observations.emplace(keyframe_id, feature_index).second) return false;
   keyframe->landmarks[feature_index] = landmark_id;
   for (const auto& [other, index] : landmark->observations) {
-    static_cast<void>(index);
     if (other == keyframe_id) continue;
     ++shared_[keyframe_id][other];
     ++shared_[other][keyframe_id];
@@ -120,7 +119,6 @@ void Map::removeObservation(KeyframeId keyframe_id, LandmarkId landmark_id) {
   keyframe->landmarks[observation->second] = LandmarkId();
   landmark->observations.erase(observation);
   for (const auto& [other, index] : landmark->observations) {
-    static_cast<void>(index);
     for (const auto& [a, b] : {std::pair(keyframe_id, other), std::pair(other, keyframe_id)}) {
       auto& weights = shared_[a];
       if (--weights[b] <= 0) weights.erase(b);
@@ -138,7 +136,6 @@ void Map::removeLandmark(LandmarkId id) {
   if (!gone) return;
   const auto observations = gone->observations;
   for (const auto& [keyframe_id, index] : observations) {
-    static_cast<void>(index);
     removeObservation(keyframe_id, id);  // the last one erases the landmark
   }
 }
@@ -168,7 +165,6 @@ void Map::forgetKeyframe(KeyframeId id) {
     if (landmark_id.valid()) removeObservation(id, landmark_id);
   }
   for (auto& [other_id, other] : keyframes_) {
-    static_cast<void>(other_id);
     auto& edges = other.loop_edges;
     edges.erase(std::remove(edges.begin(), edges.end(), id), edges.end());
   }
@@ -202,7 +198,6 @@ void Map::restore(std::map<KeyframeId, Keyframe> keyframes, std::unordered_map<L
   next_keyframe_ = next_keyframe;
   next_landmark_ = next_landmark;
   for (auto& [id, keyframe] : keyframes_) {
-    static_cast<void>(id);
     keyframe.landmarks.assign(keyframe.features->size(), LandmarkId());
   }
   for (const auto& [landmark_id, landmark] : landmarks_) {
@@ -247,7 +242,6 @@ std::unordered_map<KeyframeId, KeyframeId> Map::roots() const {
   std::unordered_map<KeyframeId, KeyframeId> roots;
   std::vector<KeyframeId> way;
   for (const auto& [id, keyframe] : keyframes_) {
-    static_cast<void>(keyframe);
     KeyframeId at = id;
     while (roots.count(at) == 0) {
       way.push_back(at);
@@ -271,7 +265,6 @@ bool Map::apply(const MapSolution& solution, std::uint64_t version) {
     removeObservation(keyframe_id, landmark_id);
   }
   for (const auto& [id, position] : solution.position_world) {
-    static_cast<void>(position);
     refreshGeometry(id);
   }
   return true;
@@ -335,7 +328,6 @@ void Map::refreshGeometry(LandmarkId id) {
   if (!target) return;
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   for (const auto& [keyframe_id, index] : target->observations) {
-    static_cast<void>(index);
     const SE3 T_world_camera = keyframe(keyframe_id)->T_camera_world.inverse();
     direction += (target->position_world - T_world_camera.translation()).normalized();
   }

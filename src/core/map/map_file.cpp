@@ -129,7 +129,6 @@ bool sameIntrinsics(const CameraIntrinsics& a, const CameraIntrinsics& b) {
 Cameras collectCameras(const Map& map, std::vector<std::uint32_t>& camera_of_keyframe) {
   Cameras cameras;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    static_cast<void>(id);
     const auto& intrinsics = keyframe.camera->intrinsics();
     const auto known = std::find_if(cameras.begin(), cameras.end(), [&](const auto& camera) {
       return sameIntrinsics(camera->intrinsics(), intrinsics);
@@ -274,7 +273,6 @@ void checkLinks(const Reader& in, const std::map<KeyframeId, Keyframe>& keyframe
   }
   std::set<std::pair<KeyframeId, int>> taken;
   for (const auto& [id, landmark] : landmarks) {
-    static_cast<void>(id);
     in.require(landmark.observations.count(landmark.reference_keyframe) > 0);
     for (const auto& [keyframe_id, feature] : landmark.observations) {
       const auto keyframe = keyframes.find(keyframe_id);
@@ -311,7 +309,6 @@ std::size_t checkHeader(const std::string& content, const std::string& name) {
 std::vector<LandmarkId> sortedLandmarks(const Map& map) {
   std::vector<LandmarkId> ids;
   for (const auto& [id, landmark] : map.landmarks()) {
-    static_cast<void>(landmark);
     ids.push_back(id);
   }
   std::sort(ids.begin(), ids.end());
@@ -331,7 +328,6 @@ std::string serializeMap(const Map& map) {
   payload.putCount(map.keyframes().size());
   std::size_t k = 0;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    static_cast<void>(id);
     writeKeyframe(payload, keyframe, camera_of_keyframe[k++]);
   }
   payload.putCount(map.landmarks().size());

@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/mapping/ba_selection.h"
+
 #include <algorithm>
 #include <map>
-#include <set>
+#include <utility>
 
-#include "core/mapping/ba_selection.h"
+#include "core/map/visibility.h"
 
 namespace semantic_vslam {
 namespace {
@@ -47,7 +49,6 @@ class ProblemBuilder {
 std::vector<KeyframeId> adjustedKeyframes(const Map& map, KeyframeId centre, const BaConfig& config) {
   std::vector<KeyframeId> chosen = {centre};
   for (const auto& [neighbour, shared] : map.covisible(centre, config.min_shared)) {
-    static_cast<void>(shared);
     if (static_cast<int>(chosen.size()) >= config.max_keyframes) break;
     chosen.push_back(neighbour);
   }
@@ -55,23 +56,12 @@ std::vector<KeyframeId> adjustedKeyframes(const Map& map, KeyframeId centre, con
   return chosen;
 }
 
-std::set<LandmarkId> landmarksOf(const Map& map, const std::vector<KeyframeId>& keyframes) {
-  std::set<LandmarkId> seen;
-  for (const KeyframeId id : keyframes) {
-    for (const LandmarkId landmark : map.keyframe(id)->landmarks) {
-      if (landmark.valid()) seen.insert(landmark);
-    }
-  }
-  return seen;
-}
-
 /// Keyframes outside `inside` that see the landmarks, those that see most first.
-std::vector<KeyframeId> ring(const Map& map, const std::set<LandmarkId>& landmarks,
+std::vector<KeyframeId> ring(const Map& map, const std::vector<LandmarkId>& landmarks,
                              const std::vector<KeyframeId>& inside, int max_keyframes) {
   std::map<KeyframeId, int> counts;
   for (const LandmarkId id : landmarks) {
     for (const auto& [keyframe, feature_index] : map.landmark(id)->observations) {
-      static_cast<void>(feature_index);
       if (!std::binary_search(inside.begin(), inside.end(), keyframe)) ++counts[keyframe];
     }
   }
@@ -79,7 +69,6 @@ std::vector<KeyframeId> ring(const Map& map, const std::set<LandmarkId>& landmar
   std::stable_sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   std::vector<KeyframeId> chosen;
   for (const auto& [keyframe, count] : ordered) {
-    static_cast<void>(count);
     if (static_cast<int>(chosen.size()) >= max_keyframes) break;
     chosen.push_back(keyframe);
   }
@@ -92,7 +81,7 @@ BaProblem selectLocal(const Map& map, KeyframeId centre, const SensorConfig& sen
   ProblemBuilder builder(map, sensor);
   if (map.keyframe(centre) == nullptr) return builder.take();
   const std::vector<KeyframeId> adjusted = adjustedKeyframes(map, centre, config);
-  const std::set<LandmarkId> landmarks = landmarksOf(map, adjusted);
+  const std::vector<LandmarkId> landmarks = landmarksSeenBy(map, adjusted);
   const std::vector<KeyframeId> around = ring(map, landmarks, adjusted, config.max_fixed_keyframes);
 
   // Somebody must hold the frame of reference: the map's first keyframe, the ring, or else the oldest.
@@ -108,10 +97,7 @@ BaProblem selectGlobal(const Map& map, const SensorConfig& sensor) {
   ProblemBuilder builder(map, sensor);
   for (const auto& [id, keyframe] : map.keyframes()) builder.addKeyframe(id, !keyframe.parent.valid());
   std::vector<LandmarkId> ids;
-  for (const auto& [id, landmark] : map.landmarks()) {
-    static_cast<void>(landmark);
-    ids.push_back(id);
-  }
+  for (const auto& [id, landmark] : map.landmarks()) ids.push_back(id);
   std::sort(ids.begin(), ids.end());
   for (const LandmarkId id : ids) builder.addLandmark(*map.landmark(id));
   return builder.take();

@@ -9,12 +9,11 @@
 
 #include "core/camera/observation_model.h"
 #include "core/features/matcher.h"
-#include "core/geometry/triangulation.h"
+#include "core/geometry/rays.h"
 
 namespace semantic_vslam {
 namespace {
 
-constexpr float kSurelyStatic = 0.5F;
 // Chi-square bound of one degree of freedom, 95 %: the distance from the epipolar line.
 constexpr double kChi2Line = 3.841;
 // Two views of one point may differ by this many pyramid levels before distance is taken into account.
@@ -25,7 +24,7 @@ std::vector<int> openFeatures(const Keyframe& keyframe) {
   std::vector<int> open;
   const auto& features = keyframe.features->features;
   for (int i = 0; i < static_cast<int>(features.size()); ++i) {
-    if (!keyframe.landmarks[i].valid() && features[i].static_weight > kSurelyStatic) open.push_back(i);
+    if (!keyframe.landmarks[i].valid() && features[i].surelyStatic()) open.push_back(i);
   }
   return open;
 }
@@ -82,14 +81,13 @@ std::vector<FeatureMatch> matchAlongEpipolarLines(const Keyframe& a, const std::
   return matches;
 }
 
-bool fits(const Keyframe& keyframe, int feature_index, const Eigen::Vector3d& point_world, const SensorConfig& sensor) {
-  const Eigen::Vector3d p = keyframe.T_camera_world * point_world;
-  if (p.z() < kMinProjectionDepthM) return false;
+bool fitsFeature(const Keyframe& keyframe, int feature_index, const Eigen::Vector3d& point_world,
+                 const SensorConfig& sensor) {
   const VirtualStereo camera(keyframe.camera->intrinsics(), sensor.virtual_baseline_m);
   const Feature& feature = keyframe.features->features[feature_index];
   const PixelMeasurement m = makeMeasurement(feature.undistorted_px.cast<double>(), feature.depth_m,
                                              pyramidScale(feature.octave), 1.0, camera, sensor);
-  return whitenedError(camera, m, p).squaredNorm() <= m.chi2Bound();
+  return fits(camera, m, keyframe.T_camera_world * point_world);
 }
 
 /// A point seen from twice as far looks half as large: the pyramid levels must agree with that.
@@ -104,8 +102,9 @@ std::optional<Eigen::Vector3d> pointOf(const Keyframe& a, int i, const Keyframe&
                                        double min_parallax_rad) {
   const Ray ray_a = rayInWorld(a, i), ray_b = rayInWorld(b, j);
   if (parallax(ray_a, ray_b) < min_parallax_rad) return std::nullopt;
-  const auto point_world = triangulate(ray_a, ray_b);
-  if (!point_world || !fits(a, i, *point_world, sensor) || !fits(b, j, *point_world, sensor)) return std::nullopt;
+  const auto point_world = intersectRays(ray_a, ray_b);
+  if (!point_world || !fitsFeature(a, i, *point_world, sensor) || !fitsFeature(b, j, *point_world, sensor))
+    return std::nullopt;
   if (!sizesAgree(a, i, b, j, *point_world)) return std::nullopt;
   return point_world;
 }
@@ -117,7 +116,6 @@ int triangulateNewLandmarks(Map& map, KeyframeId id, const SensorConfig& sensor,
   const double min_parallax_rad = config.min_parallax_deg * M_PI / 180.0;
   int made = 0, asked = 0;
   for (const auto& [neighbour, shared] : map.covisible(id, 1)) {
-    static_cast<void>(shared);
     if (asked++ >= config.neighbours) break;
     const Keyframe &a = *map.keyframe(id), &b = *map.keyframe(neighbour);
     for (const FeatureMatch& match :

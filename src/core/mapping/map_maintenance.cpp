@@ -3,7 +3,7 @@
 #include "core/mapping/map_maintenance.h"
 
 #include <algorithm>
-#include <cmath>
+#include <iterator>
 #include <map>
 
 #include "core/map/fuse_landmarks.h"
@@ -15,15 +15,12 @@ namespace {
 // A point that three keyframes see is confirmed (Mur-Artal and Tardos 2015, section VI.B).
 constexpr int kConfirmedObservations = 3;
 
-// Features on what may move make no landmarks: a wrong landmark costs more than a missing one.
-constexpr float kSurelyStatic = 0.5F;
-
 /// Static features with depth and without landmark, nearest first.
 std::vector<int> newPoints(const Keyframe& keyframe) {
   std::vector<int> indices;
   const auto& features = keyframe.features->features;
   for (int i = 0; i < static_cast<int>(features.size()); ++i) {
-    const bool usable = features[i].depth_m > 0.0F && features[i].static_weight > kSurelyStatic;
+    const bool usable = features[i].depth_m > 0.0F && features[i].surelyStatic();
     if (usable && !keyframe.landmarks[i].valid()) indices.push_back(i);
   }
   std::stable_sort(indices.begin(), indices.end(),
@@ -109,22 +106,13 @@ int cullRecentLandmarks(Map& map, KeyframeId newest, const MapMaintenanceConfig&
 
 int fuseWithNeighbours(Map& map, KeyframeId keyframe_id, double virtual_baseline_m,
                        const MapMaintenanceConfig& config) {
-  const auto valid_landmarks = [&](KeyframeId id) {
-    std::vector<LandmarkId> ids;
-    for (const LandmarkId landmark : map.keyframe(id)->landmarks) {
-      if (landmark.valid()) ids.push_back(landmark);
-    }
-    std::sort(ids.begin(), ids.end());
-    return ids;
-  };
   auto neighbours = map.covisible(keyframe_id, 1);
   if (static_cast<int>(neighbours.size()) > config.fuse_neighbours) neighbours.resize(config.fuse_neighbours);
   int fused = 0;
   std::vector<LandmarkId> theirs;
   for (const auto& [neighbour, shared] : neighbours) {
-    static_cast<void>(shared);
-    fused += fuseInto(map, valid_landmarks(keyframe_id), neighbour, virtual_baseline_m, config.fuse_radius_px);
-    const auto ids = valid_landmarks(neighbour);
+    fused += fuseInto(map, landmarksSeenBy(map, {keyframe_id}), neighbour, virtual_baseline_m, config.fuse_radius_px);
+    const auto ids = landmarksSeenBy(map, {neighbour});
     theirs.insert(theirs.end(), ids.begin(), ids.end());
   }
   std::sort(theirs.begin(), theirs.end());
@@ -137,7 +125,6 @@ int cullRedundantKeyframes(Map& map, KeyframeId centre, KeyframeId keep, const S
                            const std::function<void(const Keyframe&)>& before_removal) {
   int removed = 0;
   for (const auto& [id, shared] : map.covisible(centre, 1)) {
-    static_cast<void>(shared);
     const Keyframe& keyframe = *map.keyframe(id);
     if (id == centre || id == keep || !keyframe.parent.valid()) continue;
     if (!isRedundant(map, keyframe, sensor.closeM(), config.redundant_share)) continue;

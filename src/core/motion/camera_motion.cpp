@@ -14,8 +14,6 @@ namespace {
 
 // One point per block of 5x5 cells: 768 points at 160x120, evenly spread.
 constexpr int kBlockCells = 5;
-// Less gradient than the camera's own noise carries no flow.
-constexpr float kLeastTexture = 3.0F;
 // Gradient at which the flow is half trusted, gray levels per cell.
 constexpr float kHalfTrustTexture = 8.0F;
 // A neighbourhood whose depth differs more than this share lies on an edge: its depth may belong to the other side.
@@ -214,37 +212,27 @@ std::vector<FlowPoint> selectFlowPoints(const GridFrame& previous, const GridFra
                                         const WorkGrid& grid) {
   std::vector<FlowPoint> points;
   points.reserve(static_cast<std::size_t>(grid.size().area()) / (kBlockCells * kBlockCells));
-  for (int block_y = 0; block_y + kBlockCells <= grid.size().height; block_y += kBlockCells) {
-    for (int block_x = 0; block_x + kBlockCells <= grid.size().width; block_x += kBlockCells) {
-      cv::Point best(-1, -1);
-      float best_texture = kLeastTexture;
-      for (int y = block_y; y < block_y + kBlockCells; ++y) {
-        for (int x = block_x; x < block_x + kBlockCells; ++x) {
-          const float z = current.depth_m(y, x);
-          if (current.texture(y, x) <= best_texture || z <= 0.0F) continue;
-          if (current.depth_high_m(y, x) - current.depth_low_m(y, x) > kEdgeShare * z) continue;
-          best_texture = current.texture(y, x);
-          best = {x, y};
-        }
-      }
-      if (best.x < 0) continue;
-      const cv::Vec2f flow = flow_cells(best);
-      const cv::Point2f before(static_cast<float>(best.x) - flow[0], static_cast<float>(best.y) - flow[1]);
-      if (!grid.contains(before)) continue;
-      FlowPoint point;
-      const cv::Vec2f ray = grid.rays()(best), ray_before = grid.rayAt(before.x, before.y);
-      point.point_current = Eigen::Vector3f(ray[0], ray[1], 1.0F) * current.depth_m(best);
-      point.ray_previous = {ray_before[0], ray_before[1]};
-      const cv::Point cell(cvRound(before.x), cvRound(before.y));
-      const float z_before = previous.depth_m(cell);
-      const bool on_edge = previous.depth_high_m(cell) - previous.depth_low_m(cell) > kEdgeShare * z_before;
-      point.depth_previous_m = on_edge ? 0.0F : z_before;
-      const float trust = best_texture * best_texture;
-      point.weight = trust / (trust + kHalfTrustTexture * kHalfTrustTexture);
-      if (!static_weight.empty()) point.weight *= static_weight(best);
-      points.push_back(point);
-    }
-  }
+  const auto usable = [&](int x, int y) {
+    const float z = current.depth_m(y, x);
+    return z > 0.0F && current.depth_high_m(y, x) - current.depth_low_m(y, x) <= kEdgeShare * z;
+  };
+  forEachTexturedBlock(current.texture, kBlockCells, usable, [&](const cv::Point& best) {
+    const cv::Vec2f flow = flow_cells(best);
+    const cv::Point2f before(static_cast<float>(best.x) - flow[0], static_cast<float>(best.y) - flow[1]);
+    if (!grid.contains(before)) return;
+    FlowPoint point;
+    const cv::Vec2f ray = grid.rays()(best), ray_before = grid.rayAt(before.x, before.y);
+    point.point_current = Eigen::Vector3f(ray[0], ray[1], 1.0F) * current.depth_m(best);
+    point.ray_previous = {ray_before[0], ray_before[1]};
+    const cv::Point cell(cvRound(before.x), cvRound(before.y));
+    const float z_before = previous.depth_m(cell);
+    const bool on_edge = previous.depth_high_m(cell) - previous.depth_low_m(cell) > kEdgeShare * z_before;
+    point.depth_previous_m = on_edge ? 0.0F : z_before;
+    const float trust = current.texture(best) * current.texture(best);
+    point.weight = trust / (trust + kHalfTrustTexture * kHalfTrustTexture);
+    if (!static_weight.empty()) point.weight *= static_weight(best);
+    points.push_back(point);
+  });
   return points;
 }
 

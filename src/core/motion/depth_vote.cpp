@@ -21,7 +21,8 @@ DepthVote voteByDepth(const PlacedFrame& current, const DepthReference& referenc
     float *entered = vote.entered[y], *stayed = vote.stayed[y];
     lookup.row(y, [&](int x, const PlaceLookup::Sighting& seen) {
       if (seen.same()) {
-        stayed[x] = (seen.hole ? kHoleStayed : 1.0F) * (1.0F - reference.dynamic_probability(seen.cell));
+        const float moved = reference.dynamic_probability(seen.cell);
+        if (moved < 0.5F) stayed[x] = (seen.hole ? kHoleStayed : 1.0F) * (1.0F - moved);
       } else if (!seen.hole && seen.measured_m > 0.0F) {
         const float gap_m = reference.depth_low_m(seen.cell) - seen.depth_m;
         if (gap_m > seen.margin_m) entered[x] = std::min(1.0F, (gap_m - seen.margin_m) / seen.margin_m);

@@ -27,7 +27,4 @@ HomographyMotion estimateHomography(const GridFrame& current, const cv::Mat2f& f
 /// not see are taken from the present image, so that no flow arises there.
 cv::Mat1b warpPrevious(const GridFrame& previous, const GridFrame& current, const HomographyMotion& motion);
 
-/// Flow that the homography predicts at each cell. @return grid size, cells.
-cv::Mat2f homographyFlow(const HomographyMotion& motion, cv::Size grid_size);
-
 }  // namespace semantic_vslam

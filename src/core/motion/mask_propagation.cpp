@@ -59,11 +59,8 @@ cv::Mat1f sampleMask(const cv::Mat1f& mask, const cv::Mat2f& origin) {
 
 /// Share of each grid cell's pixels that belong to a person.
 cv::Mat1f personShare(const cv::Mat1b& labels, const LabelSet& label_set, cv::Size grid_size) {
-  cv::Mat1b table(1, 256, static_cast<uchar>(0));
-  for (int i = 0; i < 256; ++i) table(0, i) = label_set.mobility(static_cast<uchar>(i)) == Mobility::kPerson ? 255 : 0;
-  cv::Mat1b person, reduced;
-  cv::LUT(labels, table, person);
-  cv::resize(person, reduced, grid_size, 0, 0, cv::INTER_AREA);
+  cv::Mat1b reduced;
+  cv::resize(maskOfPeople(labels, label_set), reduced, grid_size, 0, 0, cv::INTER_AREA);
   cv::Mat1f share;
   reduced.convertTo(share, CV_32F, 1.0 / 255.0);
   return share;

@@ -83,7 +83,11 @@ SE3 scaleMotion(const SE3& motion, double factor) { return se3Exp(factor * se3Lo
 }  // namespace
 
 MotionDetector::MotionDetector(const MotionConfig& config)
-    : config_(validated(config)), dense_flow_(config.flow), memory_(config.memory), propagation_(config.semantics) {}
+    : config_(validated(config)),
+      dense_flow_(config.flow),
+      memory_(config.memory),
+      propagation_(config.semantics),
+      room_(config.room) {}
 
 void MotionDetector::setConfig(const MotionConfig& config) {
   validateConfig(config);
@@ -91,10 +95,17 @@ void MotionDetector::setConfig(const MotionConfig& config) {
   config_ = config;
   dense_flow_ = DenseFlow(config.flow);
   memory_.setConfig(config.memory);
+  room_.setConfig(config.room);
   propagation_.setConfig(config.semantics);
 }
 
 void MotionDetector::reset() {
+  room_.clear();
+  forgetFrames();
+}
+
+void MotionDetector::forgetFrames() {
+  room_.breakOdometry();
   propagation_.reset();
   label_memory_.clear();
   grid_.reset();
@@ -107,7 +118,8 @@ void MotionDetector::reset() {
 }
 
 void MotionDetector::start(const RgbdFrame& frame) {
-  reset();
+  if (frame.camera != camera_) room_.clear();
+  forgetFrames();
   camera_ = frame.camera;
   grid_ = std::make_unique<WorkGrid>(frame.camera, config_.flow.width_px);
   memory_.reset(grid_->size());
@@ -127,7 +139,10 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
     start(frame);
     previous_ = makeGridFrame(frame, *grid_);
     propagation_.addFrame(frame.stamp, grid_->size(), {});
-    if (config_.model == "rigid_flow") propagation_.setPlace(placed(previous_));
+    if (config_.model == "rigid_flow") {
+      propagation_.setPlace(placed(previous_));
+      room_.addFrame(placed(previous_), previous_.depth_low_m, dynamic_probability_, {});
+    }
     MotionResult first;
     first.dynamic = cv::Mat1b::zeros(full_size);
     first.moving = cv::Mat1b::zeros(grid_->size());
@@ -154,6 +169,7 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
   if (config_.model == "rigid_flow") {
     propagation_.setPlace(placed(current));
     keepReference(current);
+    room_.addFrame(placed(current), current.depth_low_m, dynamic_probability_, surface.semantic);
   }
   previous_ = current;
   return result;
@@ -191,6 +207,7 @@ MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& cur
     references_.clear();
     propagation_.forgetPlaces();
     label_memory_.clear();
+    room_.breakOdometry();
     velocity_dt_s_ = 0.0;
     memory_.carry(source, dt_s);
     return explainByHomography(current, flow_cells, static_weight);
@@ -210,7 +227,8 @@ MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& cur
     turn_ = (turn_ + 1) % references_.size();
     vote = voteByDepth(placed(current), references_[turn_], *grid_, config_.rigid);
   }
-  memory_.add(current, residual, gain, vote);
+  const DepthVote room = room_.look(placed(current), *grid_, config_.rigid).value_or(DepthVote{});
+  memory_.add(current, residual, gain, vote, room);
   estimate.model = MotionModel::kRigidFlow;
   estimate.camera = camera;
   estimate.inliers = camera.inliers;

@@ -12,6 +12,7 @@
 #include "core/motion/label_memory.h"
 #include "core/motion/mask_propagation.h"
 #include "core/motion/motion_memory.h"
+#include "core/motion/room_memory.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/common/label_set.h"
 #include "semantic_vslam/core/motion/motion_config.h"
@@ -37,6 +38,11 @@ class MotionDetector {
   /// @param labels  height x width, indices into label_set
   /// @return true if they were taken
   bool addLabels(Stamp stamp, const cv::Mat1b& labels, const LabelSet& label_set);
+  /// Where tracking found an earlier frame in the map (state OK); counts from the next frame on, as labels do.
+  void takeFramePose(const TimedPose& pose) { room_.takeFramePose(pose); }
+  /// All keyframes of the map at their present poses: whenever there is a new one, or the map was corrected. What their
+  /// depth images saw free is remembered (RoomMemory).
+  void takeKeyframePoses(const std::vector<TimedPose>& poses) { room_.takeKeyframePoses(poses); }
   void reset();
 
  private:
@@ -51,6 +57,8 @@ class MotionDetector {
   };
 
   void start(const RgbdFrame& frame);
+  /// All but the map's memory.
+  void forgetFrames();
   /// Probability that a cell stood still in the previous frame, carried to the present one. @param source  of
   /// traceBack()  @param semantic  of MaskPropagation::dynamicNow()
   cv::Mat1f staticWeight(const cv::Mat2f& source, const cv::Mat1f& semantic) const;
@@ -67,6 +75,7 @@ class MotionDetector {
   MotionMemory memory_;
   MaskPropagation propagation_;
   LabelMemory label_memory_;
+  RoomMemory room_;
   std::unique_ptr<WorkGrid> grid_;
   std::shared_ptr<const CameraModel> camera_;
   GridFrame previous_;

@@ -19,16 +19,21 @@ constexpr float kFlowMoves = 0.9F;   // full residual, brightness agrees
 constexpr float kFlowStays = -0.3F;  // textured and where the rigid flow says: weak, people pause
 constexpr float kEntered = 1.2F;     // in space that was free
 constexpr float kStayed = -0.25F;    // where it was in an earlier depth image
+// The same by keyframes. Each cell is compared in every second frame only.
+constexpr float kEnteredRoom = 2.0F, kStayedRoom = -0.5F;
 // Residuals: from kSilent sigmas on the flow speaks for motion, at kFull fully.
 constexpr float kStaysSigmas = 2.0F, kSilentSigmas = 3.0F, kFullSigmas = 7.0F;
+// From here on a cell was surely seen to move. Then neither time nor a flow that agrees with the room clears it: people
+// pause. Only a surface that keyframes or frames of the last seconds saw at rest there does.
+constexpr float kHeld = 1.0F;
 constexpr float kTexture = 4.0F;  // gray levels per cell at which a flow that agrees says something
 
 /// Without branches, so that it runs four cells at a time. @param sigmas  NaN = unknown
-float flowEvidence(float sigmas, float gain, float texture) {
+float flowEvidence(float sigmas, float gain, float texture, bool held) {
   const float rise = (sigmas - kSilentSigmas) * (1.0F / (kFullSigmas - kSilentSigmas));
   const float strength = rise > 0.0F ? std::min(rise, 1.0F) : 0.0F;  // 0 for NaN
   const float moves = (gain > 0.0F ? kFlowMoves : -kFlowStays) * strength * gain;
-  const float stays = texture > kTexture ? kFlowStays : 0.0F;
+  const float stays = texture > kTexture && !held ? kFlowStays : 0.0F;
   return sigmas < kStaysSigmas ? stays : moves;
 }
 
@@ -40,7 +45,9 @@ void MotionMemory::reset(cv::Size grid_size) { log_odds_ = cv::Mat1f(grid_size, 
 
 void MotionMemory::fade(cv::Mat1f carried, double age_s) {
   const auto keep = static_cast<float>(std::exp(-age_s / config_.time_constant_s));
-  changeCells(carried, [keep](float value) { return kPrior + keep * (value - kPrior); });
+  const auto leak = static_cast<float>((kHighest - kHeld) * age_s / config_.hold_s);
+  changeCells(carried,
+              [keep, leak](float value) { return value > kHeld ? value - leak : kPrior + keep * (value - kPrior); });
   log_odds_ = carried;
 }
 
@@ -71,17 +78,19 @@ void MotionMemory::carry(const cv::Mat2f& source, double dt_s, const RigidFlowRe
 }
 
 void MotionMemory::add(const GridFrame& current, const RigidFlowResidual& residual, const cv::Mat1f& brightness_gain,
-                       const DepthVote& vote) {
-  const bool voted = !vote.entered.empty();
+                       const DepthVote& vote, const DepthVote& room) {
+  const bool voted = !vote.entered.empty(), in_room = !room.entered.empty();
   for (int y = 0; y < log_odds_.rows; ++y) {
     const float *sigmas = residual.sigmas[y], *gain = brightness_gain[y], *texture = current.texture[y];
     const float *entered = voted ? vote.entered[y] : nullptr, *stayed = voted ? vote.stayed[y] : nullptr;
+    const float *came = in_room ? room.entered[y] : nullptr, *rests = in_room ? room.stayed[y] : nullptr;
     const uchar* hidden = residual.hidden[y];
     float* out = log_odds_[y];
     for (int x = 0; x < log_odds_.cols; ++x) {
-      const float by_flow = flowEvidence(sigmas[x], gain[x], texture[x]);
+      const float by_flow = flowEvidence(sigmas[x], gain[x], texture[x], out[x] > kHeld);
       const float by_depth = voted ? kEntered * entered[x] + kStayed * stayed[x] : 0.0F;
-      const float sum = out[x] + (hidden[x] == 0 ? by_flow : 0.0F) + by_depth;
+      const float by_room = in_room ? kEnteredRoom * came[x] + kStayedRoom * rests[x] : 0.0F;
+      const float sum = out[x] + (hidden[x] == 0 ? by_flow : 0.0F) + by_depth + by_room;
       out[x] = std::min(std::max(sum, kLowest), kHighest);
     }
   }

@@ -27,8 +27,9 @@ class MotionMemory {
   void carry(const cv::Mat2f& source, double dt_s, const RigidFlowResidual& residual, const cv::Mat1f& brightness_gain);
   /// Adds what this frame shows.
   /// @param brightness_gain  of compareBrightness()  @param vote  empty images: no earlier depth yet
+  /// @param room  of RoomMemory, likewise
   void add(const GridFrame& current, const RigidFlowResidual& residual, const cv::Mat1f& brightness_gain,
-           const DepthVote& vote);
+           const DepthVote& vote, const DepthVote& room = {});
   const cv::Mat1f& logOdds() const { return log_odds_; }
 
  private:

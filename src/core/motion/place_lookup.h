@@ -35,14 +35,18 @@ class PlaceLookup {
     }
   };
 
+  /// Two frames whose poses come from one chain of frame-to-frame motions.
   PlaceLookup(const PlacedFrame& now, const PlacedFrame& earlier, const WorkGrid& grid, const RigidFlowConfig& config)
+      : PlaceLookup(now, earlier, grid, config, kDriftMetresPerSecond * secondsBetween(earlier.stamp, now.stamp)) {}
+  /// @param pose_error_m  what the poses of both may differ by from the truth, metres
+  PlaceLookup(const PlacedFrame& now, const PlacedFrame& earlier, const WorkGrid& grid, const RigidFlowConfig& config,
+              double pose_error_m)
       : now_(now),
         earlier_(earlier),
         grid_(grid),
         config_(config),
         T_earlier_now_(earlier.T_odometry_camera.inverse() * now.T_odometry_camera),
-        base_margin_m_(static_cast<float>(config.min_depth_margin_m +
-                                          kDriftMetresPerSecond * secondsBetween(earlier.stamp, now.stamp))),
+        base_margin_m_(static_cast<float>(config.min_depth_margin_m + pose_error_m)),
         seen_(grid.size().width) {}
 
   /// Calls look(x, sighting) for each cell of a row that lies in the earlier image.

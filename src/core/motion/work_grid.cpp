@@ -122,26 +122,22 @@ void WorkGrid::projectRow(int row, const float* depth_m, const CellTransform& T,
   coordinate(0, x);
   coordinate(1, y);
   coordinate(2, z);
-  const auto [k1, k2, p1, p2, k3] = k_;
+  const std::array<float, 5> k = k_;
   const float fx = fx_, fy = fy_, cx = cx_, cy = cy_;
   constexpr float kNearestM = 1e-3F;
   for (int i = 0; i < width; ++i) {
     const float inverse_z = 1.0F / (z[i] > kNearestM ? z[i] : kNearestM);
-    const float a = x[i] * inverse_z, b = y[i] * inverse_z;
-    const float r2 = a * a + b * b;
-    const float radial = 1.0F + r2 * (k1 + r2 * (k2 + r2 * k3));
-    x[i] = fx * (a * radial + 2.0F * p1 * a * b + p2 * (r2 + 2.0F * a * a)) + cx;
-    y[i] = fy * (b * radial + p1 * (r2 + 2.0F * b * b) + 2.0F * p2 * a * b) + cy;
+    float a = x[i] * inverse_z, b = y[i] * inverse_z;
+    distortPlumbBob(k, a, b);
+    x[i] = fx * a + cx;
+    y[i] = fy * b + cy;
   }
 }
 
 cv::Vec2f WorkGrid::rayAt(float x, float y) const {
   x = std::clamp(x, 0.0F, static_cast<float>(size_.width - 1));
   y = std::clamp(y, 0.0F, static_cast<float>(size_.height - 1));
-  const int x0 = std::min(static_cast<int>(x), size_.width - 2), y0 = std::min(static_cast<int>(y), size_.height - 2);
-  const float dx = x - static_cast<float>(x0), dy = y - static_cast<float>(y0);
-  const cv::Vec2f *top = rays_[y0] + x0, *bottom = rays_[y0 + 1] + x0;
-  return (top[0] * (1 - dx) + top[1] * dx) * (1 - dy) + (bottom[0] * (1 - dx) + bottom[1] * dx) * dy;
+  return sampleBilinear(rays_, x, y);
 }
 
 GridFrame makeGridFrame(const RgbdFrame& frame, const WorkGrid& grid) {

@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "core/camera/bilinear.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/geometry/se3.h"
 
@@ -44,9 +45,8 @@ class WorkGrid {
   cv::Vec2f rayAt(float x, float y) const;
   /// @param x, y, z  metres, z > 0  @return position on the grid, in cells (may lie outside).
   cv::Point2f project(float x, float y, float z) const {
-    const float inverse_z = 1.0F / z;
-    float a = x * inverse_z, b = y * inverse_z;
-    distort(a, b);
+    float a = x / z, b = y / z;
+    distortPlumbBob(k_, a, b);
     return {fx_ * a + cx_, fy_ * b + cy_};
   }
   /// Projects one row of the grid, at the given depths, into a camera that T takes its points to.
@@ -58,14 +58,6 @@ class WorkGrid {
   }
 
  private:
-  void distort(float& a, float& b) const {
-    const float r2 = a * a + b * b;
-    const float radial = 1.0F + r2 * (k_[0] + r2 * (k_[1] + r2 * k_[4]));
-    const float x = a * radial + 2.0F * k_[2] * a * b + k_[3] * (r2 + 2.0F * a * a);
-    b = b * radial + k_[2] * (r2 + 2.0F * b * b) + 2.0F * k_[3] * a * b;
-    a = x;
-  }
-
   std::shared_ptr<const CameraModel> camera_;
   cv::Size size_;
   float cell_px_ = 1.0F;
@@ -88,6 +80,30 @@ struct GridFrame {
 };
 
 GridFrame makeGridFrame(const RgbdFrame& frame, const WorkGrid& grid);
+
+/// Looks in each block of side x side cells for the one with the most texture, so that points lie spread evenly over
+/// the image. Where there is less than the camera's own noise gives, flow is interpolated, not measured: no cell is
+/// taken.
+/// @param usable  called as usable(x, y) with candidates: whether the cell may be taken
+/// @param take    called with the cell of each block that has one
+template <class Usable, class Take>
+void forEachTexturedBlock(const cv::Mat1f& texture, int side, const Usable& usable, const Take& take) {
+  constexpr float kLeastTexture = 3.0F;  // gray levels per cell
+  for (int block_y = 0; block_y + side <= texture.rows; block_y += side) {
+    for (int block_x = 0; block_x + side <= texture.cols; block_x += side) {
+      cv::Point best(-1, -1);
+      float best_texture = kLeastTexture;
+      for (int y = block_y; y < block_y + side; ++y) {
+        for (int x = block_x; x < block_x + side; ++x) {
+          if (texture(y, x) <= best_texture || !usable(x, y)) continue;
+          best_texture = texture(y, x);
+          best = {x, y};
+        }
+      }
+      if (best.x >= 0) take(best);
+    }
+  }
+}
 
 /// Rigid motion in single precision, for the loops over all cells.
 struct CellTransform {
@@ -115,15 +131,6 @@ void changeCells(cv::Mat1f& image, const Function& f) {
     float* row = image[y];
     for (int x = 0; x < image.cols; ++x) row[x] = f(row[x]);
   }
-}
-
-/// Samples a grid image at a position between cells, bilinear; the caller ensures that it lies inside.
-inline float sampleBilinear(const cv::Mat1f& image, float x, float y) {
-  const int x0 = std::min(static_cast<int>(x), image.cols - 2), y0 = std::min(static_cast<int>(y), image.rows - 2);
-  const float dx = x - static_cast<float>(x0), dy = y - static_cast<float>(y0);
-  const float* top = image[y0] + x0;
-  const float* bottom = image[y0 + 1] + x0;
-  return (top[0] * (1 - dx) + top[1] * dx) * (1 - dy) + (bottom[0] * (1 - dx) + bottom[1] * dx) * dy;
 }
 
 }  // namespace semantic_vslam

@@ -73,11 +73,8 @@ std::vector<bool> judge(const BaProblem& problem, const Observed& observed, cons
   std::vector<bool> inlier(problem.observations.size());
   for (std::size_t i = 0; i < inlier.size(); ++i) {
     const auto& o = problem.observations[i];
-    const auto& m = observed.measurements[i];
-    const Eigen::Vector3d p = poses[o.keyframe] * state.positions[o.landmark];
-    inlier[i] = !observed.adjusted(o.landmark) ||
-                (p.z() >= kMinProjectionDepthM &&
-                 whitenedError(observed.cameras[o.keyframe], m, p).squaredNorm() <= m.chi2Bound());
+    inlier[i] = !observed.adjusted(o.landmark) || fits(observed.cameras[o.keyframe], observed.measurements[i],
+                                                       poses[o.keyframe] * state.positions[o.landmark]);
   }
   return inlier;
 }
@@ -119,7 +116,7 @@ class Round {
     for (const auto& keyframe : problem.keyframes) free_keyframes_ += keyframe.fixed ? 0 : 1;
   }
 
-  ceres::Solver::Summary run(int iterations, AbortCallback& abort) {
+  void run(int iterations, AbortCallback& abort) {
     ceres::Solver::Options options;
     options.max_num_iterations = iterations;
     options.num_threads = 1;
@@ -130,7 +127,6 @@ class Round {
     options.callbacks.push_back(&abort);
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem_, &summary);
-    return summary;
   }
 
  private:
@@ -179,28 +175,18 @@ MapSolution makeSolution(const BaProblem& problem, const Observed& observed, con
 
 }  // namespace
 
-MapSolution solve(const BaProblem& problem, const BaConfig& config, const AbortFlag* abort, BaReport* report) {
+MapSolution solve(const BaProblem& problem, const BaConfig& config, const AbortFlag* abort) {
   const Observed observed(problem);
   State state(problem);
   AbortCallback abort_callback(abort);
-  BaReport local_report;
   std::vector<bool> active = inFront(problem), inlier(problem.observations.size(), true);
-  bool first = true;
   for (const int iterations : {config.first_iterations, config.second_iterations}) {
     if (abort_callback.aborted()) break;
-    const ceres::Solver::Summary summary = Round(problem, observed, active, state).run(iterations, abort_callback);
-    if (first) local_report.initial_cost = summary.initial_cost;
-    first = false;
-    local_report.final_cost = summary.final_cost;
-    local_report.iterations += static_cast<int>(summary.iterations.size());
+    Round(problem, observed, active, state).run(iterations, abort_callback);
     if (abort_callback.aborted()) break;  // an unfinished adjustment says nothing about who is wrong
     inlier = active = judge(problem, observed, state);
   }
-  MapSolution solution = makeSolution(problem, observed, state, inlier);
-  local_report.aborted = abort_callback.aborted();
-  local_report.outliers = static_cast<int>(solution.outlier_observations.size());
-  if (report != nullptr) *report = local_report;
-  return solution;
+  return makeSolution(problem, observed, state, inlier);
 }
 
 }  // namespace semantic_vslam

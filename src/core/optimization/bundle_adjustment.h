@@ -45,20 +45,12 @@ struct BaProblem {
   std::vector<BaObservation> observations;
 };
 
-struct BaReport {
-  double initial_cost = 0.0,
-         final_cost = 0.0;  ///< half the robust sum of squares, before the first and after the last round
-  int iterations = 0;
-  int outliers = 0;
-  bool aborted = false;
-};
-
 /// Bundle adjustment: poses and landmarks that minimise the reprojection error (ORB-SLAM2, section III.C, eq. 2 and 3,
 /// with depth as virtual disparity), Huber's kernel, a second round without the matches that fail the chi-square test.
 /// Landmarks seen once go along with their keyframe.
 /// @param config  valid (its owner has validated it)
 /// @param abort   looked at between steps; may be nullptr. What was reached till then is the solution.
 /// @return values of the free keyframes and of all landmarks, and the matches found to be wrong.
-MapSolution solve(const BaProblem& problem, const BaConfig& config, const AbortFlag* abort, BaReport* report = nullptr);
+MapSolution solve(const BaProblem& problem, const BaConfig& config, const AbortFlag* abort);
 
 }  // namespace semantic_vslam

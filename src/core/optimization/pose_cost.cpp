@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/optimization/pose_cost.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
-#include <utility>
 
 #include "core/optimization/huber.h"
 
@@ -13,22 +11,11 @@ namespace {
 
 using JacobianMap = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 6>>;
 
-/// Square root of a positive semi-definite matrix: information = root^T * root.
-Matrix6d squareRoot(const Matrix6d& information) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information);
-  return solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose();
-}
-
 }  // namespace
 
-PoseCost::PoseCost(const VirtualStereo& camera, const SE3& T0, const std::vector<Point>& points,
-                   const std::optional<PosePrior>& prior)
-    : has_prior_(prior.has_value()) {
+PoseCost::PoseCost(const VirtualStereo& camera, const std::vector<Point>& points) {
   terms_.reserve(points.size());
   for (const Point& point : points) terms_.emplace_back(camera, point);
-  if (!has_prior_) return;
-  T_pose_prior_ = T0 * prior->T_camera_world.inverse();
-  prior_sqrt_information_ = squareRoot(prior->information);
 }
 
 PoseCost::Term::Term(const VirtualStereo& camera, const Point& point)
@@ -86,19 +73,6 @@ bool PoseCost::operator()(const double* increment_data, double* residuals, doubl
       JacobianMap(jacobian_data, NumResiduals(), 6).middleRows<3>(static_cast<Eigen::Index>(3 * i)) = jacobian;
     }
   }
-  if (!has_prior_) return true;
-
-  // Prior: the transform left over between pose and prior, translation and rotation vector.
-  const Eigen::Vector3d rotated = increment.rotation() * T_pose_prior_.translation();
-  Vector6d error;
-  error.head<3>() = increment.apply(Eigen::Vector3d(T_pose_prior_.translation()));
-  error.tail<3>() = so3Log(increment.rotation() * T_pose_prior_.linear());
-  Eigen::Map<Vector6d>(residuals + 3 * terms_.size()) = prior_sqrt_information_ * error;
-  if (jacobian_data == nullptr) return true;
-  Matrix6d error_jacobian = Matrix6d::Identity();
-  error_jacobian.topRightCorner<3, 3>() = -skew(rotated) * rotation_jacobian;
-  error_jacobian.bottomRightCorner<3, 3>() = so3LeftJacobianInverse(error.tail<3>()) * rotation_jacobian;
-  JacobianMap(jacobian_data, NumResiduals(), 6).bottomRows<6>() = prior_sqrt_information_ * error_jacobian;
   return true;
 }
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include "core/camera/observation_model.h"
@@ -12,14 +11,8 @@
 
 namespace semantic_vslam {
 
-/// Knowledge of a pose from elsewhere (motion model, odometry).
-struct PosePrior {
-  SE3 T_camera_world = SE3::Identity();
-  Matrix6d information = Matrix6d::Zero();  ///< of the left perturbation (m, rad), positive semi-definite
-};
-
 /// Reprojection cost of one camera pose over all of its fixed points, as one function of the six increments of
-/// PoseIncrement: 3 robust residuals a point, in the order of the points, and 6 of the prior at the end.
+/// PoseIncrement: 3 robust residuals a point, in the order of the points.
 /// Written for ceres::TinySolver, whose function it is; plain Eigen otherwise.
 class PoseCost {
  public:
@@ -31,11 +24,9 @@ class PoseCost {
     PixelMeasurement measurement;
   };
 
-  /// @param T0  pose around which increments are taken
-  PoseCost(const VirtualStereo& camera, const SE3& T0, const std::vector<Point>& points,
-           const std::optional<PosePrior>& prior);
+  PoseCost(const VirtualStereo& camera, const std::vector<Point>& points);
 
-  int NumResiduals() const { return static_cast<int>(3 * terms_.size()) + (has_prior_ ? 6 : 0); }
+  int NumResiduals() const { return static_cast<int>(3 * terms_.size()); }
 
   /// @param increment  6 values   @param residuals  NumResiduals() values
   /// @param jacobian   NumResiduals() x 6, column-major, or nullptr
@@ -56,9 +47,6 @@ class PoseCost {
   };
 
   std::vector<Term> terms_;
-  bool has_prior_ = false;
-  SE3 T_pose_prior_ = SE3::Identity();  ///< T0 * prior^-1
-  Matrix6d prior_sqrt_information_ = Matrix6d::Zero();
 };
 
 }  // namespace semantic_vslam

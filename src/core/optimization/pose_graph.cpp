@@ -39,7 +39,6 @@ std::set<std::pair<KeyframeId, KeyframeId>> essentialPairs(const Map& map, int m
     if (keyframe.parent.valid()) pairs.insert(ordered(id, keyframe.parent));
     for (const KeyframeId other : keyframe.loop_edges) pairs.insert(ordered(id, other));
     for (const auto& [other, shared] : map.covisible(id, min_shared)) {
-      static_cast<void>(shared);
       pairs.insert(ordered(id, other));
     }
   }

@@ -31,7 +31,7 @@ PoseCost makeCost(const PoseProblem& problem, const VirtualStereo& camera, const
   for (std::size_t i = 0; i < active.size(); ++i) {
     if (active[i]) points.push_back({T_camera_world * problem.observations[i].point_world, measurements[i]});
   }
-  return PoseCost(camera, T_camera_world, points, problem.prior);
+  return PoseCost(camera, points);
 }
 
 SE3 minimise(const PoseCost& cost, const SE3& T0, int iterations) {
@@ -49,9 +49,7 @@ std::vector<bool> judge(const PoseProblem& problem, const VirtualStereo& camera,
                         const SE3& T_camera_world) {
   std::vector<bool> inlier(measurements.size());
   for (std::size_t i = 0; i < measurements.size(); ++i) {
-    const Eigen::Vector3d p = T_camera_world * problem.observations[i].point_world;
-    inlier[i] = p.z() >= kMinProjectionDepthM &&
-                whitenedError(camera, measurements[i], p).squaredNorm() <= measurements[i].chi2Bound();
+    inlier[i] = fits(camera, measurements[i], T_camera_world * problem.observations[i].point_world);
   }
   return inlier;
 }

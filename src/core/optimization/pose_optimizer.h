@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include "core/optimization/pose_cost.h"
@@ -28,7 +27,6 @@ struct PoseProblem {
   CameraIntrinsics camera;               ///< distortion is not used: pixels are undistorted
   SensorConfig sensor;                   ///< how depth is weighed
   std::vector<PoseObservation> observations;
-  std::optional<PosePrior> prior;
 };
 
 struct PoseSolution {

@@ -70,9 +70,7 @@ std::optional<SE3> findPose(const PoseProblem& problem, const PoseRansacConfig& 
   const auto countInliers = [&](const SE3& pose) {
     int inliers = 0;
     for (int i = 0; i < count; ++i) {
-      const Eigen::Vector3d p = pose * problem.observations[i].point_world;
-      if (p.z() < kMinProjectionDepthM) continue;
-      inliers += whitenedError(camera, measurements[i], p).squaredNorm() <= measurements[i].chi2Bound() ? 1 : 0;
+      inliers += fits(camera, measurements[i], pose * problem.observations[i].point_world) ? 1 : 0;
     }
     return inliers;
   };

@@ -69,7 +69,7 @@ bool LoopCloser::correct(const LoopClosure& closure, const Alone& alone) {
 void LoopCloser::adjustAll(const Alone& alone, const AbortFlag& abort) {
   BaProblem problem;
   alone([&] { problem = selectGlobal(state_.map, config_.tracking.frame.sensor); });
-  MapSolution solution = solve(problem, config_.local_ba, &abort);
+  MapSolution solution = solve(problem, config_.bundle_adjustment, &abort);
   if (abort) return;  // the loop that aborted it starts another one
   alone([&] {
     carryAlong(state_.map, solution);

@@ -5,6 +5,7 @@
 #include <deque>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/common/stamp_order.h"
 #include "core/motion/motion_detector.h"
@@ -70,7 +71,14 @@ void MotionStage::take(FrameLabels labels) {
 
 void MotionStage::take(const LabelSet& label_set) { inside_->label_set = label_set; }
 
-void MotionStage::take(const MapSnapshot&) {}
+void MotionStage::take(const MapSnapshot& map) {
+  std::vector<TimedPose> poses;
+  poses.reserve(map.poses.size());
+  for (const KeyframePose& keyframe : map.poses) poses.push_back({keyframe.stamp, keyframe.T_world_camera});
+  inside_->detector.takeKeyframePoses(poses);
+}
+
+void MotionStage::take(const TimedPose& pose) { inside_->detector.takeFramePose(pose); }
 
 void MotionStage::take(const MotionConfig& config) { inside_->detector.setConfig(config); }
 

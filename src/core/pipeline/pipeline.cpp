@@ -43,7 +43,7 @@ StepResult Pipeline::step(const RgbdFrame& frame) {
   StepResult result{track(std::move(input)), std::move(*motion)};
   for (const KeyframeNotice& keyframe : result.keyframes) map(keyframe, *result.map);
   if (labels_.isDue(frame.stamp)) label(frame);
-  passBack(*result.map);
+  passBack(frame, result);
   return result;
 }
 
@@ -102,9 +102,12 @@ void Pipeline::map(const KeyframeNotice& keyframe, const MapSnapshot& map) {
 }
 
 /// What the stages before tracking learn of the map.
-void Pipeline::passBack(const MapSnapshot& map) {
-  motion_.take(map);
-  labels_.take(map);
+void Pipeline::passBack(const RgbdFrame& frame, const TrackingOutput& output) {
+  if (output.posed()) motion_.take(TimedPose{frame.stamp, output.tracking.T_camera_world.inverse()});
+  if (output.map == passed_back_) return;
+  passed_back_ = output.map;
+  motion_.take(*output.map);
+  labels_.take(*output.map);
 }
 
 std::vector<TimedPose> Pipeline::trajectory() const { return slam().trajectory(); }

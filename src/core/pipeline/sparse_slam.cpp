@@ -135,7 +135,7 @@ void SparseSlam::findAgain(const TrackedFrame& frame, const TrackOptions& option
 }
 
 void SparseSlam::dropAbandoned() {
-  const auto roots = abandonedTrees(state_.map, state_.tracker.reference(), config_.mapping.min_tree_keyframes);
+  const auto roots = abandonedTrees(state_.map, state_.tracker.reference(), config_.sparse_map.min_tree_keyframes);
   if (roots.empty()) return;
   for (const KeyframeId root : roots) {
     for (const KeyframeId id : state_.map.removeTree(root)) state_.places.remove(id);
@@ -146,7 +146,7 @@ void SparseSlam::dropAbandoned() {
 }
 
 KeyframeId SparseSlam::insert(const TrackedFrame& frame) {
-  const KeyframeId id = insertKeyframe(state_.map, frame, config_.tracking.frame.sensor, config_.mapping);
+  const KeyframeId id = insertKeyframe(state_.map, frame, config_.tracking.frame.sensor, config_.sparse_map);
   state_.places.add(id, *frame.features);
   ++state_.poses_version;
   return id;
@@ -174,16 +174,16 @@ void SparseSlam::adjustAround(KeyframeId keyframe, const Alone& alone, const Abo
   std::optional<BaProblem> problem;
   alone([&] {
     if (!state_.map.keyframe(keyframe)) return;
-    cullRecentLandmarks(state_.map, keyframe, config_.mapping);
+    cullRecentLandmarks(state_.map, keyframe, config_.sparse_map);
     triangulateNewLandmarks(state_.map, keyframe, sensor, config_.triangulation);
-    fuseWithNeighbours(state_.map, keyframe, sensor.virtual_baseline_m, config_.mapping);
-    problem = selectLocal(state_.map, keyframe, sensor, config_.local_ba);
+    fuseWithNeighbours(state_.map, keyframe, sensor.virtual_baseline_m, config_.sparse_map);
+    problem = selectLocal(state_.map, keyframe, sensor, config_.bundle_adjustment);
   });
   if (!problem) return;
-  const MapSolution solution = solve(*problem, config_.local_ba, &abort);
+  const MapSolution solution = solve(*problem, config_.bundle_adjustment, &abort);
   alone([&] {
     state_.change([&] { return state_.map.apply(solution, problem->map_version); });
-    cullRedundantKeyframes(state_.map, keyframe, state_.tracker.reference(), sensor, config_.mapping,
+    cullRedundantKeyframes(state_.map, keyframe, state_.tracker.reference(), sensor, config_.sparse_map,
                            [this](const Keyframe& removed) {
                              state_.trajectory.keyframeRemoved(state_.map, removed);
                              state_.places.remove(removed.id);

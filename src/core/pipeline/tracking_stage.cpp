@@ -123,8 +123,7 @@ bool TrackingStage::maintain(KeyframeId keyframe, std::uint64_t frame, StageTime
   return inside_->slam.maintain(keyframe, frame, times, alone, abort);
 }
 
-void TrackingStage::adjustAll(std::uint64_t frame, StageTimes& times, const Alone& alone,
-                              const AbortFlag& abort) {
+void TrackingStage::adjustAll(std::uint64_t frame, StageTimes& times, const Alone& alone, const AbortFlag& abort) {
   inside_->slam.adjustAll(frame, times, alone, abort);
 }
 

@@ -131,6 +131,7 @@ void PipelineRunner::Threads::onLabels(const RgbdFrame& frame, const FrameLabels
 
 void PipelineRunner::Threads::onTracked(const TrackingInput& input, const TrackingOutput& output) {
   ++tracked_;
+  if (output.posed()) motion_->take(TimedPose{input.frame.stamp, output.tracking.T_camera_world.inverse()});
   for (const KeyframeNotice& keyframe : output.keyframes) {
     labels_->ask(keyframe.stamp);
     if (config_.dense.enabled) dense_->name(keyframe);

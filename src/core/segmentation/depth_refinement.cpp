@@ -358,9 +358,4 @@ cv::Mat1b DepthRefiner::cut(const cv::Mat1b& labels, const LabelSet& label_set, 
   return grid.stride == 1 ? kept.clone() : spread(kept, grid, reach_m2, labels, frame.depth_m);
 }
 
-cv::Mat1b refineOnDepth(const Segmentation& segmentation, const LabelSet& label_set, const RgbdFrame& frame,
-                        const RefinementConfig& config) {
-  return DepthRefiner(config).refine(segmentation, label_set, frame);
-}
-
 }  // namespace semantic_vslam

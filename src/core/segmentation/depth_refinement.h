@@ -62,8 +62,4 @@ class DepthRefiner {
   std::unique_ptr<Buffers> buffers_;
 };
 
-/// One frame refined by a DepthRefiner of its own.
-cv::Mat1b refineOnDepth(const Segmentation& segmentation, const LabelSet& label_set, const RgbdFrame& frame,
-                        const RefinementConfig& config);
-
 }  // namespace semantic_vslam

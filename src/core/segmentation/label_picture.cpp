@@ -61,14 +61,4 @@ cv::Mat3b drawLabels(const cv::Mat3b& bgr, const cv::Mat1b& labels, const LabelS
   return picture;
 }
 
-cv::Mat1b maskOfMobility(const cv::Mat1b& labels, const LabelSet& label_set, Mobility mobility) {
-  cv::Mat1b table(1, 256);
-  for (int label = 0; label < 256; ++label) {
-    table(label) = label_set.mobility(static_cast<std::uint8_t>(label)) == mobility ? 255 : 0;
-  }
-  cv::Mat1b mask;
-  cv::LUT(labels, table, mask);
-  return mask;
-}
-
 }  // namespace semantic_vslam

@@ -14,7 +14,4 @@ cv::Mat3b labelColours(const cv::Mat1b& labels, const LabelSet& label_set);
 /// The image with labelled pixels tinted in their colour and outlined, and a legend of the classes it shows.
 cv::Mat3b drawLabels(const cv::Mat3b& bgr, const cv::Mat1b& labels, const LabelSet& label_set);
 
-/// @return 255 where the label's class has this mobility, 0 elsewhere.
-cv::Mat1b maskOfMobility(const cv::Mat1b& labels, const LabelSet& label_set, Mobility mobility);
-
 }  // namespace semantic_vslam

@@ -18,10 +18,9 @@ bool keyframeIsDue(const KeyframeEvidence& e, const KeyframePolicyConfig& config
 }
 
 void countClose(const TrackedFrame& frame, double close_m, KeyframeEvidence& evidence) {
-  constexpr float kSurelyStatic = 0.5F;
   for (int i = 0; i < static_cast<int>(frame.features->size()); ++i) {
     const Feature& feature = frame.feature(i);
-    if (feature.depth_m <= 0.0F || feature.static_weight < kSurelyStatic) continue;
+    if (feature.depth_m <= 0.0F || !feature.surelyStatic()) continue;
     const bool has_landmark = frame.landmarks[i].valid();
     if (!has_landmark) ++evidence.all_new;
     if (feature.depth_m <= close_m) ++(has_landmark ? evidence.close_tracked : evidence.close_new);

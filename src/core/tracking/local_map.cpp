@@ -3,6 +3,7 @@
 #include "core/tracking/local_map.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -19,7 +20,6 @@ std::vector<std::pair<KeyframeId, int>> voteKeyframes(const Map& map, const Trac
     const Landmark* landmark = id.valid() ? map.landmark(id) : nullptr;
     if (!landmark) continue;
     for (const auto& [keyframe, index] : landmark->observations) {
-      static_cast<void>(index);
       ++votes[keyframe.value()];
     }
   }
@@ -42,11 +42,9 @@ LocalMap selectLocalMap(const Map& map, const TrackedFrame& frame, const LocalMa
   const auto most = std::min<std::size_t>(config.max_keyframes, map.keyframes().size());
   const auto full = [&] { return chosen.size() >= most; };
   for (const auto& [id, count] : votes) {
-    static_cast<void>(count);
     if (!full()) chosen.insert(id);
   }
   for (const auto& [id, count] : votes) {
-    static_cast<void>(count);
     if (full()) break;
     const auto neighbours = map.covisible(id, 1);
     for (int i = 0; i < std::min<int>(config.neighbours, static_cast<int>(neighbours.size())) && !full(); ++i) {
@@ -70,34 +68,23 @@ LocalMap selectLocalMap(const Map& map, const TrackedFrame& frame, const LocalMa
 
 std::vector<LandmarkId> matchLocalMap(const Map& map, const LocalMap& local_map, double virtual_bf_px_m,
                                       const LocalMapConfig& config, TrackedFrame& frame) {
-  std::vector<LandmarkId> matched_before;
-  std::vector<bool> taken(frame.landmarks.size(), false);
-  for (std::size_t i = 0; i < frame.landmarks.size(); ++i) {
-    taken[i] = frame.landmarks[i].valid();
-    if (taken[i]) matched_before.push_back(frame.landmarks[i]);
-  }
-  std::sort(matched_before.begin(), matched_before.end());
+  std::vector<LandmarkId> visible;
+  std::copy_if(frame.landmarks.begin(), frame.landmarks.end(), std::back_inserter(visible),
+               [](LandmarkId id) { return id.valid(); });
+  std::sort(visible.begin(), visible.end());
+  std::vector<LandmarkId> missing;
+  std::set_difference(local_map.landmarks.begin(), local_map.landmarks.end(), visible.begin(), visible.end(),
+                      std::back_inserter(missing));
 
-  constexpr double kFrontalCosine = 0.998;  // 3.6 degrees
-  std::vector<GuidedQuery> queries;
-  std::vector<LandmarkId> searched;
-  for (const LandmarkId id : local_map.landmarks) {
-    if (std::binary_search(matched_before.begin(), matched_before.end(), id)) continue;
-    const Landmark& landmark = *map.landmark(id);
-    Sighting sighting;
-    if (!predictSighting(landmark, *frame.camera, frame.T_camera_world, config.min_view_cosine, sighting)) continue;
-    const bool frontal = sighting.view_cosine > kFrontalCosine;
-    queries.push_back(makeGuidedQuery(landmark, sighting, frontal ? config.search_radius_px : config.wide_radius_px));
-    searched.push_back(id);
-  }
-  GuidedSearchConfig search;
-  search.ratio = 0.8F;  // neighbouring landmarks look alike at this small radius
-  search.virtual_bf_px_m = static_cast<float>(virtual_bf_px_m);
-  const auto matches = searchGuided(queries, *frame.features, frame.grid, taken, search);
-  for (const auto& match : matches) frame.landmarks[match.feature] = searched[match.query];
-
-  std::vector<LandmarkId> visible = std::move(matched_before);
-  visible.insert(visible.end(), searched.begin(), searched.end());
+  LandmarkSearch search;
+  search.radius_px = config.search_radius_px;
+  search.oblique_radius_px = config.wide_radius_px;
+  search.min_view_cosine = config.min_view_cosine;
+  search.matching.ratio = 0.8F;  // neighbouring landmarks look alike at this small radius
+  search.matching.virtual_bf_px_m = static_cast<float>(virtual_bf_px_m);
+  const LandmarkSightings sightings = findLandmarks(map, missing, frame, search);
+  for (const auto& [id, feature] : sightings.found) frame.landmarks[feature] = id;
+  visible.insert(visible.end(), sightings.visible.begin(), sightings.visible.end());
   return visible;
 }
 

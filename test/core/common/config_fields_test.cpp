@@ -46,6 +46,11 @@ std::string messageOf(const std::string& key, const std::string& value) {
   return "";
 }
 
+TEST(ConfigFields, KeysOfRenamedGroupsSayTheirNewName) {
+  EXPECT_NE(messageOf("local_ba.min_shared", "1").find("'bundle_adjustment.min_shared'"), std::string::npos);
+  EXPECT_NE(messageOf("mapping.fuse_radius_px", "1").find("'sparse_map.fuse_radius_px'"), std::string::npos);
+}
+
 TEST(ConfigFields, SetsNestedKeysByDottedName) {
   Outer config;
   setConfig(config, "inner.radius_px", "4.5");

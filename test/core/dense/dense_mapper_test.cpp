@@ -104,8 +104,8 @@ TEST(DenseMapper, MovesTheMapExactlyAsThePosesMoved) {
   EXPECT_FALSE(mapper.busy());
   EXPECT_EQ(mapper.rebuilds(), 1U);
   EXPECT_LT(cv::norm(mean(mapper.cloud()) - before - cv::Vec3d(0.5, -0.25, 1.0)), 1e-5);
-  EXPECT_EQ(mapper.voxelMap().stateAt({0.5, -0.25, 3.02}), Occupancy::kOccupied);
-  EXPECT_EQ(mapper.voxelMap().stateAt({0.5, -0.25, 2.02}), Occupancy::kFree);
+  EXPECT_EQ(mapper.voxelMap().voxelAt({0.5, -0.25, 3.02}).state, Occupancy::kOccupied);
+  EXPECT_EQ(mapper.voxelMap().voxelAt({0.5, -0.25, 2.02}).state, Occupancy::kFree);
 }
 
 TEST(DenseMapper, ARotatedPoseTurnsThePoints) {
@@ -127,10 +127,11 @@ TEST(DenseMapper, AKeyframeAddedDuringARebuildIsSeenAtOnceAmongTheOldPoses) {
   ASSERT_TRUE(mapper.busy());
   addWall(mapper, 3, translated(0.0, 0.0, 2.0));
   ASSERT_TRUE(mapper.busy());
-  EXPECT_EQ(mapper.voxelMap().stateAt({0, 0, 3.02}), Occupancy::kOccupied);  // 1 m behind its neighbours, as it should
-  EXPECT_EQ(mapper.voxelMap().stateAt({0, 0, 4.02}), Occupancy::kUnknown);
+  EXPECT_EQ(mapper.voxelMap().voxelAt({0, 0, 3.02}).state,
+            Occupancy::kOccupied);  // 1 m behind its neighbours, as it should
+  EXPECT_EQ(mapper.voxelMap().voxelAt({0, 0, 4.02}).state, Occupancy::kUnknown);
   mapper.finish();
-  EXPECT_EQ(mapper.voxelMap().stateAt({0, 0, 4.02}), Occupancy::kOccupied);
+  EXPECT_EQ(mapper.voxelMap().voxelAt({0, 0, 4.02}).state, Occupancy::kOccupied);
   EXPECT_EQ(mapper.keyframes(), 4U);
 }
 
@@ -174,8 +175,8 @@ TEST(DenseMapper, ACulledKeyframeStaysWithItsOwnVisitOfAPlace) {
   // A loop closing moves the second visit, 3 m along the wall: more than its 1.9 m in view.
   mapper.updatePoses({{KeyframeId(0), Stamp{}, SE3::Identity()}, {KeyframeId(7), Stamp{}, translated(10.1, 3.0, 0)}});
   mapper.finish();
-  EXPECT_EQ(mapper.voxelMap().stateAt({10.0, 0.0, 2.02}), Occupancy::kOccupied) << "1 stays with 0";
-  EXPECT_EQ(mapper.voxelMap().stateAt({0.1, 3.0, 2.02}), Occupancy::kOccupied) << "8 goes with 7";
+  EXPECT_EQ(mapper.voxelMap().voxelAt({10.0, 0.0, 2.02}).state, Occupancy::kOccupied) << "1 stays with 0";
+  EXPECT_EQ(mapper.voxelMap().voxelAt({0.1, 3.0, 2.02}).state, Occupancy::kOccupied) << "8 goes with 7";
 }
 
 /// A wall 2.025 m away as a Kinect sees it.
@@ -206,7 +207,7 @@ double shareOfHoles(const VoxelMap& map, const SE3& T_world_camera) {
       const Eigen::Vector3d centre = map.centre(map.voxelAt(T_world_camera * Eigen::Vector3d(x, y, 2.025)).index);
       if (std::abs((T_camera_world * centre).z() - 2.025) > 0.2 * map.resolution()) continue;
       ++passed;
-      if (map.stateAt(centre) != Occupancy::kOccupied) ++holes;
+      if (map.voxelAt(centre).state != Occupancy::kOccupied) ++holes;
     }
   }
   return static_cast<double>(holes) / passed;
@@ -272,12 +273,12 @@ TEST(DenseMapper, AForgottenKeyframeLeavesTheVoxelsAtTheNextRebuild) {
   for (std::uint64_t id = 3; id < 175; ++id) addWall(mapper, id, SE3::Identity());
   EXPECT_EQ(mapper.keyframes(), 174U);
   EXPECT_FALSE(reaches(mapper.cloud()));
-  EXPECT_EQ(mapper.voxelMap().stateAt({20.0, 0, 2.02}), Occupancy::kOccupied);
+  EXPECT_EQ(mapper.voxelMap().voxelAt({20.0, 0, 2.02}).state, Occupancy::kOccupied);
   EXPECT_FALSE(mapper.busy());
   mapper.updatePoses({{KeyframeId(0), Stamp{}, translated(0, 1.0, 0)}});
   mapper.finish();
-  EXPECT_EQ(mapper.voxelMap().stateAt({20.0, 0, 2.02}), Occupancy::kUnknown);
-  EXPECT_EQ(mapper.voxelMap().stateAt({10.0, 0.5, 2.02}), Occupancy::kOccupied);
+  EXPECT_EQ(mapper.voxelMap().voxelAt({20.0, 0, 2.02}).state, Occupancy::kUnknown);
+  EXPECT_EQ(mapper.voxelMap().voxelAt({10.0, 0.5, 2.02}).state, Occupancy::kOccupied);
 }
 
 TEST(DenseMapper, ClearForgetsEverything) {

@@ -37,13 +37,13 @@ RgbdFrame wallWithThing() {
 TEST(VoxelMap, KnowsSurfaceFreeSpaceAndWhatLiesBehind) {
   VoxelMap map(coarse());
   look(map, wallFrame(2.05F));
-  EXPECT_EQ(map.stateAt({0.0, 0.0, 2.05}), Occupancy::kOccupied);
-  EXPECT_EQ(map.stateAt({0.0, 0.0, 1.0}), Occupancy::kFree);
-  EXPECT_EQ(map.stateAt({0.3, -0.3, 1.5}), Occupancy::kFree);
-  EXPECT_EQ(map.stateAt({0.0, 0.0, 2.25}), Occupancy::kUnknown);  // behind
-  EXPECT_EQ(map.stateAt({3.0, 0.0, 1.0}), Occupancy::kUnknown);   // beside the view
-  EXPECT_EQ(map.stateAt({0.0, 0.0, -0.5}), Occupancy::kUnknown);  // behind the camera
-  EXPECT_EQ(map.stateAt({1e9, 0.0, 0.0}), Occupancy::kUnknown);
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 2.05}).state, Occupancy::kOccupied);
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 1.0}).state, Occupancy::kFree);
+  EXPECT_EQ(map.voxelAt({0.3, -0.3, 1.5}).state, Occupancy::kFree);
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 2.25}).state, Occupancy::kUnknown);  // behind
+  EXPECT_EQ(map.voxelAt({3.0, 0.0, 1.0}).state, Occupancy::kUnknown);   // beside the view
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, -0.5}).state, Occupancy::kUnknown);  // behind the camera
+  EXPECT_EQ(map.voxelAt({1e9, 0.0, 0.0}).state, Occupancy::kUnknown);
 }
 
 TEST(VoxelMap, SumsLogOddsOfKeyframesAndClampsThem) {
@@ -67,8 +67,8 @@ TEST(VoxelMap, FreeSpaceEndsAtItsRange) {
   config.free_range_m = 1.5;
   VoxelMap map(config);
   look(map, wallFrame(3.05F));
-  EXPECT_EQ(map.stateAt({0.0, 0.0, 1.35}), Occupancy::kFree);
-  EXPECT_EQ(map.stateAt({0.0, 0.0, 1.65}), Occupancy::kUnknown);
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 1.35}).state, Occupancy::kFree);
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 1.65}).state, Occupancy::kUnknown);
 }
 
 TEST(VoxelMap, FollowsTheCameraPose) {
@@ -78,28 +78,29 @@ TEST(VoxelMap, FollowsTheCameraPose) {
   T_world_camera.linear() << 0, 0, -1, 0, 1, 0, 1, 0, 0;
   T_world_camera.translation() = Eigen::Vector3d(1.0, 0.0, 0.0);
   look(map, wallFrame(2.05F), T_world_camera);
-  EXPECT_EQ(map.stateAt({-1.05, 0.0, 0.0}), Occupancy::kOccupied);
-  EXPECT_EQ(map.stateAt({0.0, 0.0, 0.0}), Occupancy::kFree);
-  EXPECT_EQ(map.stateAt({0.0, 0.0, 2.05}), Occupancy::kUnknown);
+  EXPECT_EQ(map.voxelAt({-1.05, 0.0, 0.0}).state, Occupancy::kOccupied);
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 0.0}).state, Occupancy::kFree);
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 2.05}).state, Occupancy::kUnknown);
 }
 
 TEST(VoxelMap, LaterViewsThroughAWalkerRemoveHim) {
   VoxelMap map(coarse());
   look(map, wallWithThing());
-  ASSERT_EQ(map.stateAt({0.0, 0.0, 1.55}), Occupancy::kOccupied);
+  ASSERT_EQ(map.voxelAt({0.0, 0.0, 1.55}).state, Occupancy::kOccupied);
   look(map, wallFrame(3.05F));
-  EXPECT_NE(map.stateAt({0.0, 0.0, 1.55}), Occupancy::kOccupied);  // one point, one view through: not shown any more
+  EXPECT_NE(map.voxelAt({0.0, 0.0, 1.55}).state,
+            Occupancy::kOccupied);  // one point, one view through: not shown any more
   look(map, wallFrame(3.05F));
   look(map, wallFrame(3.05F));
-  EXPECT_EQ(map.stateAt({0.0, 0.0, 1.55}), Occupancy::kFree);
-  EXPECT_EQ(map.stateAt({0.0, 0.0, 3.05}), Occupancy::kOccupied);
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 1.55}).state, Occupancy::kFree);
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 3.05}).state, Occupancy::kOccupied);
 }
 
 TEST(VoxelMap, AWalkerBeforeSeenSpaceNeverShows) {
   VoxelMap map(coarse());
   for (int i = 0; i < 3; ++i) look(map, wallFrame(3.05F));
   look(map, wallWithThing());
-  EXPECT_NE(map.stateAt({0.0, 0.0, 1.55}), Occupancy::kOccupied);
+  EXPECT_NE(map.voxelAt({0.0, 0.0, 1.55}).state, Occupancy::kOccupied);
 }
 
 TEST(VoxelMap, ExcludedPixelsNeitherHitNorFree) {
@@ -108,9 +109,9 @@ TEST(VoxelMap, ExcludedPixelsNeitherHitNorFree) {
   cv::Mat1b excluded(frame.depth_m.size(), std::uint8_t{0});
   excluded(cv::Rect(23, 15, 18, 18)) = 255;
   look(map, frame, SE3::Identity(), excluded);
-  EXPECT_EQ(map.stateAt({0.0, 0.0, 1.55}), Occupancy::kUnknown);
-  EXPECT_EQ(map.stateAt({0.0, 0.0, 1.0}), Occupancy::kUnknown);  // no ray towards the person either
-  EXPECT_EQ(map.stateAt({0.35, 0.0, 0.85}), Occupancy::kFree);   // beside
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 1.55}).state, Occupancy::kUnknown);
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 1.0}).state, Occupancy::kUnknown);  // no ray towards the person either
+  EXPECT_EQ(map.voxelAt({0.35, 0.0, 0.85}).state, Occupancy::kFree);   // beside
 }
 
 TEST(VoxelMap, FreeSpaceDoesNotEatTheSilhouetteOfANearThing) {
@@ -118,7 +119,7 @@ TEST(VoxelMap, FreeSpaceDoesNotEatTheSilhouetteOfANearThing) {
   for (int i = 0; i < 5; ++i) look(map, wallWithThing());
   // The thing spans x = (25 - 32 .. 38 - 32) / 50 * 1.55 = -0.217 .. 0.186 m; its outline voxels stay.
   for (const double x : {-0.15, -0.05, 0.05, 0.15}) {
-    EXPECT_EQ(map.stateAt({x, 0.0, 1.55}), Occupancy::kOccupied) << x;
+    EXPECT_EQ(map.voxelAt({x, 0.0, 1.55}).state, Occupancy::kOccupied) << x;
   }
 }
 
@@ -143,7 +144,7 @@ TEST(VoxelMap, ListsEachKnownVoxelOnceInAFixedOrder) {
   map.forEachKnown([&](const Voxel& voxel) {
     ++known;
     EXPECT_EQ(map.voxel(voxel.index).log_odds, voxel.log_odds);
-    EXPECT_EQ(map.stateAt(map.centre(voxel.index)), voxel.state);
+    EXPECT_EQ(map.voxelAt(map.centre(voxel.index)).state, voxel.state);
   });
   EXPECT_EQ(known, map.size());
   EXPECT_GT(known, 1000U);

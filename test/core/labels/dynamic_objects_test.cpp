@@ -79,5 +79,10 @@ TEST(DecideDynamic, FindsNothingInAnEmptyImage) {
   EXPECT_EQ(cv::countNonZero(removal), 0);
 }
 
+TEST(MaskOfPeople, LeavesOutThingsAndUnknownLabels) {
+  const cv::Mat1b people = maskOfPeople((cv::Mat1b(1, 5) << 0, 1, 2, 3, 200), kOffice);
+  EXPECT_EQ(std::vector<int>(people.ptr(), people.ptr() + 5), (std::vector<int>{0, 255, 0, 0, 0}));
+}
+
 }  // namespace
 }  // namespace semantic_vslam

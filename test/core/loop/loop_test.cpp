@@ -51,7 +51,6 @@ class Walk {
   double rmse() const {
     double sum = 0.0;
     for (const auto& [id, keyframe] : synthetic.map.keyframes()) {
-      static_cast<void>(keyframe);
       sum += errorOf(id) * errorOf(id);
     }
     return std::sqrt(sum / static_cast<double>(synthetic.map.keyframes().size()));

@@ -39,7 +39,7 @@ struct RoomMap {
   }
 };
 
-TEST(Relocalizer, FindsTheCameraAnywhereInTheRoom) {
+TEST(Relocalise, FindsTheCameraAnywhereInTheRoom) {
   RoomMap room;
   int found = 0;
   constexpr int kTrials = 20;
@@ -56,7 +56,7 @@ TEST(Relocalizer, FindsTheCameraAnywhereInTheRoom) {
   EXPECT_GE(found, kTrials - 1);
 }
 
-TEST(Relocalizer, MatchesNameTheRightLandmarks) {
+TEST(Relocalise, MatchesNameTheRightLandmarks) {
   RoomMap room;
   const SE3 truth = lookingAlong({0.2, 0.0, -0.1}, 1.0);
   const auto view = room.world.observe(truth, {});
@@ -76,7 +76,7 @@ TEST(Relocalizer, MatchesNameTheRightLandmarks) {
   EXPECT_LE(wrong, matched / 50);
 }
 
-TEST(Relocalizer, AnUnknownRoomIsNotRecognised) {
+TEST(Relocalise, AnUnknownRoomIsNotRecognised) {
   RoomMap room;
   SyntheticWorld other(77);
   other.addRoom({0, 0, 0}, {6, 3, 6}, 4000);
@@ -89,14 +89,14 @@ TEST(Relocalizer, AnUnknownRoomIsNotRecognised) {
   }
 }
 
-TEST(Relocalizer, TwoRoomsThatLookTheSameAreRefused) {
+TEST(Relocalise, TwoRoomsThatLookTheSameAreRefused) {
   RoomMap rooms(true);
   for (int i = 0; i < 6; ++i) {
     EXPECT_FALSE(relocalise(rooms.synthetic.map, rooms.index, rooms.frameAt(lookingAlong({0.1, 0, 0}, i)), {}, {}));
   }
 }
 
-TEST(Relocalizer, AFrameWithoutFeaturesOrAMapWithoutKeyframesGivesNothing) {
+TEST(Relocalise, AFrameWithoutFeaturesOrAMapWithoutKeyframesGivesNothing) {
   RoomMap room;
   TrackedFrame empty;
   empty.camera = room.world.camera();

@@ -63,7 +63,6 @@ TEST(TriangulateNewLandmarks, PlacesPointsThatNoDepthWasMeasuredOf) {
   EXPECT_EQ(views.map.landmarks().size(), before + made);
   int right = 0;
   for (const auto& [id, landmark] : views.map.landmarks()) {
-    static_cast<void>(id);
     if (landmark.created_in != views.second || landmark.reference_keyframe != views.second) continue;
     if (landmark.observations.size() != 2) continue;
     const int point = views.point_of_second[landmark.observations.at(views.second)];

@@ -51,11 +51,11 @@ class RigidScene : public ::testing::Test {
   cv::Mat2f flowOf(const SE3& T) const {
     cv::Mat2f out(grid.size());
     const CellTransform transform(T);
+    ProjectedRow before(out.cols);
     for (int y = 0; y < out.rows; ++y) {
+      grid.projectRow(y, current.depth_m[y], transform, before);
       for (int x = 0; x < out.cols; ++x) {
-        const cv::Point3f p = transform.at(transform.turn(grid.rays()(y, x)), current.depth_m(y, x));
-        const cv::Point2f before = grid.project(p.x, p.y, p.z);
-        out(y, x) = {static_cast<float>(x) - before.x, static_cast<float>(y) - before.y};
+        out(y, x) = {static_cast<float>(x) - before.x[x], static_cast<float>(y) - before.y[x]};
       }
     }
     return out;
@@ -77,10 +77,10 @@ class RigidScene : public ::testing::Test {
 
 TEST_F(RigidScene, GridProjectsWhereItsRaysPoint) {
   for (const cv::Point cell : {cv::Point(0, 0), cv::Point(80, 60), cv::Point(159, 119)}) {
-    const cv::Vec2f ray = grid.rays()(cell);
-    const cv::Point2f back = grid.project(2.0F * ray[0], 2.0F * ray[1], 2.0F);
-    EXPECT_NEAR(back.x, cell.x, 0.05);
-    EXPECT_NEAR(back.y, cell.y, 0.05);
+    ProjectedRow back(grid.size().width);
+    grid.projectRow(cell.y, cv::Mat1f(grid.size(), 2.0F)[0], CellTransform(SE3::Identity()), back);
+    EXPECT_NEAR(back.x[cell.x], cell.x, 0.05);
+    EXPECT_NEAR(back.y[cell.x], cell.y, 0.05);
   }
 }
 
@@ -227,9 +227,14 @@ TEST_F(RigidScene, NoDepthGivesNoVote) {
 
 TEST_F(RigidScene, HomographyIsRecoveredAmongMovers) {
   const cv::Matx33d H(1.01, 0.004, 1.5, -0.003, 0.995, -2.0, 1e-5, -2e-5, 1.0);
-  HomographyMotion truth;
-  truth.H_current_previous = H;
-  cv::Mat2f measured = homographyFlow(truth, grid.size());
+  const cv::Matx33d H_previous_current = H.inv();
+  cv::Mat2f measured(grid.size());
+  for (int y = 0; y < measured.rows; ++y) {
+    for (int x = 0; x < measured.cols; ++x) {
+      const cv::Vec3d before = H_previous_current * cv::Vec3d(x, y, 1.0);
+      measured(y, x) = {static_cast<float>(x - before[0] / before[2]), static_cast<float>(y - before[1] / before[2])};
+    }
+  }
   measured(cv::Rect(0, 0, 60, 120)) = cv::Vec2f(6.0F, 3.0F);
   Rng rng(5);
   for (cv::Vec2f& f : measured)

@@ -53,10 +53,7 @@ TEST(BundleAdjustment, PerfectMeasurementsGiveTheTruthBack) {
   BaConfig config;
   config.first_iterations = config.second_iterations = 30;
   ASSERT_GT(scene.poseError(scene.synthetic.map), 0.01);
-  BaReport report;
-  const MapSolution solution = solve(selectGlobal(scene.synthetic.map, SensorConfig()), config, nullptr, &report);
-  EXPECT_FALSE(report.aborted);
-  EXPECT_LT(report.final_cost, 1e-3 * report.initial_cost);
+  const MapSolution solution = solve(selectGlobal(scene.synthetic.map, SensorConfig()), config, nullptr);
   ASSERT_TRUE(scene.synthetic.map.apply(solution, scene.synthetic.map.version()));
   EXPECT_LT(scene.poseError(scene.synthetic.map), 5e-4);
 }
@@ -154,9 +151,7 @@ TEST(BundleAdjustment, LandmarkSeenOnceGoesAlongWithItsKeyframe) {
 TEST(BundleAdjustment, AbortReturnsAtOnceAndRemovesNothing) {
   WallMap scene(8, 600, {0.5, 0.3, 0});
   const std::atomic<bool> abort{true};
-  BaReport report;
-  const MapSolution solution = solve(selectGlobal(scene.synthetic.map, SensorConfig()), {}, &abort, &report);
-  EXPECT_TRUE(report.aborted);
+  const MapSolution solution = solve(selectGlobal(scene.synthetic.map, SensorConfig()), {}, &abort);
   EXPECT_TRUE(solution.outlier_observations.empty());
   for (const auto& [id, pose] : solution.T_camera_world) {
     EXPECT_TRUE(pose.isApprox(scene.synthetic.map.keyframe(id)->T_camera_world, 1e-12));

@@ -144,14 +144,6 @@ TEST(PoseOptimizer, CovarianceMatchesTheScatterOfSolutions) {
   }
 }
 
-TEST(PoseOptimizer, PriorHoldsWhatTheMatchesDoNotFix) {
-  Scene scene = makeScene(30, 0, 0.0, 6);
-  scene.problem.prior = PosePrior{scene.truth, 1e12 * Matrix6d::Identity()};
-  for (auto& o : scene.problem.observations) o.undistorted_px.x() += 1.0;
-  const PoseSolution held = optimizePose(scene.problem, {});
-  EXPECT_LT(positionError(held.T_camera_world, scene.truth), 1e-5);
-}
-
 TEST(PoseOptimizer, FewOrHopelessMatchesAreReportedUnusableAtTheStartPose) {
   for (const Scene& scene : {makeScene(0, 0, 0.0, 7), makeScene(9, 0, 0.0, 8), makeScene(40, 40, 0.0, 9)}) {
     const PoseSolution solution = optimizePose(scene.problem, {});

@@ -39,7 +39,7 @@ RefinementConfig withStride(int stride_px) {
 
 /// Over every pixel unless the test says otherwise: most scenes here are small, and exact to the pixel.
 cv::Mat1b refine(const cv::Mat1b& labels, const cv::Mat1f& depth_m, const RefinementConfig& config = withStride(1)) {
-  return refineOnDepth({labels}, officeLabels(), frameOf(depth_m), config);
+  return DepthRefiner(config).refine({labels}, officeLabels(), frameOf(depth_m));
 }
 
 int differing(const cv::Mat1b& a, const cv::Mat1b& b) { return cv::countNonZero(a != b); }
@@ -242,10 +242,10 @@ TEST(DepthRefiner, CompletesPeople) {
   half.height /= 2;
   const RgbdFrame frame = frameOf(wallWith(kObject));
   const Segmentation doubtful{labelled(half), labelled(grown(kObject, 8)) * 255};
-  EXPECT_EQ(differing(refineOnDepth(doubtful, officeLabels(), frame, withStride(1)), labelled(kObject)), 0);
+  EXPECT_EQ(differing(DepthRefiner(withStride(1)).refine(doubtful, officeLabels(), frame), labelled(kObject)), 0);
   RefinementConfig config = withStride(1);
   config.weak_share = 0.6;  // more than the half that is certain
-  EXPECT_EQ(differing(refineOnDepth(doubtful, officeLabels(), frame, config), labelled(half)), 0);
+  EXPECT_EQ(differing(DepthRefiner(config).refine(doubtful, officeLabels(), frame), labelled(half)), 0);
 }
 
 TEST(DepthRefiner, ForgetsOneFrameBeforeTheNext) {

@@ -28,13 +28,5 @@ TEST(DrawLabels, TintsOnlyWhatIsLabelled) {
   EXPECT_EQ(picture(10, 10), kOffice.classes[1].color_bgr);  // legend
 }
 
-TEST(MaskOfMobility, FindsPeople) {
-  const cv::Mat1b labels = (cv::Mat1b(1, 5) << 0, 1, 2, 3, 200);
-  const cv::Mat1b people = maskOfMobility(labels, kOffice, Mobility::kPerson);
-  EXPECT_EQ(std::vector<int>(people.ptr(), people.ptr() + 5), (std::vector<int>{0, 255, 0, 0, 0}));
-  const cv::Mat1b movable = maskOfMobility(labels, kOffice, Mobility::kMovable);
-  EXPECT_EQ(std::vector<int>(movable.ptr(), movable.ptr() + 5), (std::vector<int>{0, 0, 255, 0, 0}));
-}
-
 }  // namespace
 }  // namespace semantic_vslam

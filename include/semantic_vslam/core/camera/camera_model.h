@@ -18,6 +18,16 @@ struct CameraIntrinsics {
   std::array<double, 5> distortion{};                     ///< k1 k2 p1 p2 k3; all 0 for a rectified image
 };
 
+/// The plumb_bob model: moves a ray (x, y, 1) to where the lens shows it. @param k  k1 k2 p1 p2 k3
+template <class Scalar>
+void distortPlumbBob(const std::array<Scalar, 5>& k, Scalar& x, Scalar& y) {
+  const Scalar r2 = x * x + y * y;
+  const Scalar radial = 1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
+  const Scalar moved_x = x * radial + 2 * k[2] * x * y + k[3] * (r2 + 2 * x * x);
+  y = y * radial + k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y;
+  x = moved_x;
+}
+
 /// Pinhole camera with plumb_bob distortion. Immutable, so that frames and threads share one.
 ///
 /// Two kinds of pixel: a *raw* pixel is where the image shows a point; an *undistorted* pixel is where an ideal pinhole
@@ -35,7 +45,6 @@ class CameraModel {
   double fy() const { return intrinsics_.fy; }
   double cx() const { return intrinsics_.cx; }
   double cy() const { return intrinsics_.cy; }
-  bool distorted() const { return distorted_; }
 
   /// Ideal projection. @param point_camera metres, z > 0. @return undistorted pixel.
   Eigen::Vector2d projectUndistorted(const Eigen::Vector3d& point_camera) const;
@@ -43,11 +52,6 @@ class CameraModel {
   Eigen::Vector2d projectRaw(const Eigen::Vector3d& point_camera) const;
   /// @param undistorted_px undistorted pixel  @param depth_m z in metres  @return point in metres.
   Eigen::Vector3d unprojectUndistorted(const Eigen::Vector2d& undistorted_px, double depth_m) const;
-  /// Ray (x/z, y/z, 1) of the raw pixel (column u, row v), from a table.
-  Eigen::Vector3d rayAtRaw(int u, int v) const {
-    const cv::Vec2f& ray = rays_(v, u);
-    return {ray[0], ray[1], 1.0};
-  }
   /// x/z and y/z of every raw pixel: height x width, 2 x float32. Multiply by depth in metres for the point.
   const cv::Mat2f& rays() const { return rays_; }
   /// Sub-pixel raw position to undistorted position.

@@ -39,8 +39,27 @@ int parseInt(const std::string& key, const std::string& text);
 double parseDouble(const std::string& key, const std::string& text);
 bool parseBool(const std::string& key, const std::string& text);
 
-/// Lists every key. Also the base of the other visitors, which differ in what they do with one field.
-class Lister {
+/// What all visitors share: they go into groups, and differ in what they do with one field.
+template <class Visitor>
+class GroupVisitor {
+ public:
+  template <class Config>
+  void group(const char* name, Config& config) {
+    const std::string outer = prefix_;
+    prefix_ = joinKey(prefix_, name);
+    config.visit(static_cast<Visitor&>(*this));
+    prefix_ = outer;
+  }
+
+ protected:
+  std::string keyOf(const char* name) const { return joinKey(prefix_, name); }
+
+ private:
+  std::string prefix_;
+};
+
+/// Lists every key.
+class Lister : public GroupVisitor<Lister> {
  public:
   std::vector<ConfigEntry> entries;
 
@@ -60,23 +79,15 @@ class Lister {
     add(name, value ? "true" : "false", "true|false", documentation);
   }
   void text(const char* name, std::string& value, const char* documentation) { add(name, value, "", documentation); }
-  template <class Config>
-  void group(const char* name, Config& config) {
-    const std::string outer = prefix_;
-    prefix_ = joinKey(prefix_, name);
-    config.visit(*this);
-    prefix_ = outer;
-  }
 
  private:
   void add(const char* name, std::string value, std::string bounds, const char* documentation) {
-    entries.push_back({joinKey(prefix_, name), std::move(value), std::move(bounds), documentation});
+    entries.push_back({keyOf(name), std::move(value), std::move(bounds), documentation});
   }
-  std::string prefix_;
 };
 
 /// Sets the one field whose key matches, from text; range and type are checked.
-class Setter {
+class Setter : public GroupVisitor<Setter> {
  public:
   Setter(std::string key, std::string value) : key_(std::move(key)), value_(std::move(value)) {}
   bool found = false;
@@ -104,47 +115,30 @@ class Setter {
   void text(const char* name, std::string& value, const char*) {
     if (matches(name)) value = value_;
   }
-  template <class Config>
-  void group(const char* name, Config& config) {
-    const std::string outer = prefix_;
-    prefix_ = joinKey(prefix_, name);
-    config.visit(*this);
-    prefix_ = outer;
-  }
 
  private:
   bool matches(const char* name) {
-    const bool match = joinKey(prefix_, name) == key_;
+    const bool match = keyOf(name) == key_;
     found = found || match;
     return match;
   }
-  std::string key_, value_, prefix_;
+  std::string key_, value_;
 };
 
 /// Checks every field against its bounds.
-class Validator {
+class Validator : public GroupVisitor<Validator> {
  public:
   void field(const char* name, int& value, int low, int high, const char*) {
-    checkRange(joinKey(prefix_, name), value, low, high);
+    checkRange(keyOf(name), value, low, high);
   }
   void field(const char* name, double& value, double low, double high, const char*) {
-    checkRange(joinKey(prefix_, name), value, low, high);
+    checkRange(keyOf(name), value, low, high);
   }
   void choice(const char* name, std::string& value, const std::vector<std::string>& allowed, const char*) {
-    checkChoice(joinKey(prefix_, name), value, allowed);
+    checkChoice(keyOf(name), value, allowed);
   }
   void flag(const char*, bool&, const char*) {}
   void text(const char*, std::string&, const char*) {}
-  template <class Config>
-  void group(const char* name, Config& config) {
-    const std::string outer = prefix_;
-    prefix_ = joinKey(prefix_, name);
-    config.visit(*this);
-    prefix_ = outer;
-  }
-
- private:
-  std::string prefix_;
 };
 
 }  // namespace config_detail

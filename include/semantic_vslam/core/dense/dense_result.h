@@ -15,6 +15,8 @@ struct LabelledPoint {
   cv::Vec3f xyz_m;
   cv::Vec3b bgr;
   std::uint8_t label = 0;
+
+  Eigen::Vector3d position() const { return {xyz_m[0], xyz_m[1], xyz_m[2]}; }
 };
 
 /// A nav_msgs/OccupancyGrid in the terms of the core.

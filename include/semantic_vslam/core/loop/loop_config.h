@@ -7,7 +7,7 @@
 namespace semantic_vslam {
 
 /// Finding the camera in the map without a start.
-struct RelocalizerConfig {
+struct RelocalisationConfig {
   int max_candidates = 5;
   int neighbours = 10;
   double match_ratio = 0.8;
@@ -52,7 +52,7 @@ struct LoopDetectorConfig {
   double max_drift_base_m = 0.3;
   double max_drift_rad_per_m = 0.03;
   double max_drift_base_rad = 0.15;
-  RelocalizerConfig verification;
+  RelocalisationConfig verification;
 
   template <class Visitor>
   void visit(Visitor& v) {

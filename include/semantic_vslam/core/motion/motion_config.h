@@ -62,16 +62,35 @@ struct RigidFlowConfig {
 /// Evidence carried from frame to frame with the flow.
 struct MotionMemoryConfig {
   double time_constant_s = 0.5;
+  double hold_s = 20.0;
   double reference_age_s = 3.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("time_constant_s", time_constant_s, 0.02, 30.0,
-            "evidence of motion falls to 1/e in this time: how long someone who stops stays dynamic, s");
+    v.field("time_constant_s", time_constant_s, 0.02, 30.0, "weak evidence of motion falls to 1/e in this time, s");
+    v.field("hold_s", hold_s, 0.1, 3600.0,
+            "what surely moved and stopped stays dynamic for this long, s, where the map does not know it as still "
+            "(room.settle_s says why)");
     v.field(
         "reference_age_s", reference_age_s, 0.1, 10.0,
         "oldest depth image that the present one is compared with, s; longer sees slower people, and for longer that "
         "somebody who came and stopped was not there before");
+  }
+};
+
+/// The map's memory of free space: keyframes' depth at their poses in the map.
+struct RoomMemoryConfig {
+  int max_references = 64;
+  double settle_s = 20.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("max_references", max_references, 0, 100,
+            "keyframes whose depth is kept (0.2 MB each at the default grid); 0: none");
+    v.field(
+        "settle_s", settle_s, 1.0, 3600.0,
+        "what came and has stood still in keyframes for this long belongs to the room, s: people who stop to talk or "
+        "to look stay for seconds, furniture for minutes; a person by a label never does");
   }
 };
 
@@ -111,6 +130,7 @@ struct MotionConfig {
   HomographyConfig homography;
   RigidFlowConfig rigid;
   MotionMemoryConfig memory;
+  RoomMemoryConfig room;
   MaskCleanupConfig cleanup;
   MaskPropagationConfig semantics;
 
@@ -122,6 +142,7 @@ struct MotionConfig {
     v.group("homography", homography);
     v.group("rigid", rigid);
     v.group("memory", memory);
+    v.group("room", room);
     v.group("cleanup", cleanup);
     v.group("semantics", semantics);
   }

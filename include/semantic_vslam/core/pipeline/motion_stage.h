@@ -8,6 +8,7 @@
 
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/common/label_set.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/motion/motion_config.h"
 #include "semantic_vslam/core/motion/motion_result.h"
 #include "semantic_vslam/core/pipeline/messages.h"
@@ -32,7 +33,10 @@ class MotionStage {
   /// Labels of a frame. Those that are faster than their frame, or than the list of classes, wait for it.
   void take(FrameLabels labels);
   void take(const LabelSet& label_set);
+  /// Where the keyframes stand: what they saw free is remembered. Another map than before is forgotten.
   void take(const MapSnapshot& map);
+  /// Where tracking found a frame.
+  void take(const TimedPose& pose);
   /// Takes other thresholds between two frames. @throws ConfigError if a value is out of range; the old ones then stay
   void take(const MotionConfig& config);
 

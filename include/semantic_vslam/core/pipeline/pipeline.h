@@ -46,7 +46,7 @@ class Pipeline {
   TrackingOutput track(TrackingInput input);
   void maintain(TrackingOutput& output, const RgbdFrame& frame);
   void map(const KeyframeNotice& keyframe, const MapSnapshot& map);
-  void passBack(const MapSnapshot& map);
+  void passBack(const RgbdFrame& frame, const TrackingOutput& output);
 
   const SystemConfig config_;
   StageTimes times_;
@@ -55,6 +55,7 @@ class Pipeline {
   TrackingStage tracking_;
   KeyframeInputs inputs_;
   DenseStage dense_;
+  std::shared_ptr<const MapSnapshot> passed_back_;
 };
 
 }  // namespace semantic_vslam

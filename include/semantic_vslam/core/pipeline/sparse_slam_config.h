@@ -13,11 +13,11 @@ namespace semantic_vslam {
 /// The configs of tracking, map upkeep, relocalisation and loop closing together.
 struct SparseSlamConfig {
   TrackerConfig tracking;
-  MapMaintenanceConfig mapping;
+  MapMaintenanceConfig sparse_map;
   TriangulationConfig triangulation;
-  BaConfig local_ba;
+  BaConfig bundle_adjustment;
   PlaceIndexConfig places;
-  RelocalizerConfig relocalisation;
+  RelocalisationConfig relocalisation;
   bool close_loops = true;
   LoopDetectorConfig loop_detection;
   LoopCorrectorConfig loop_correction;
@@ -26,9 +26,9 @@ struct SparseSlamConfig {
   void visit(Visitor& v) {
     v.group("sensor", tracking.frame.sensor);
     v.group("tracking", tracking);
-    v.group("mapping", mapping);
+    v.group("sparse_map", sparse_map);
     v.group("triangulation", triangulation);
-    v.group("local_ba", local_ba);
+    v.group("bundle_adjustment", bundle_adjustment);
     v.group("places", places);
     v.group("relocalisation", relocalisation);
     v.flag("close_loops", close_loops,

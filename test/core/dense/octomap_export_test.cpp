@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/dense/semantic_octree.h"
+#include "core/dense/octomap_export.h"
 
 #include <gtest/gtest.h>
 #include <octomap/ColorOcTree.h>
@@ -38,7 +38,7 @@ void expectSame(const VoxelMap& map, const octomap::OccupancyOcTreeBase<octomap:
   });
 }
 
-TEST(SemanticOctree, FileIsReadByStockOctomapWithStateAndColour) {
+TEST(OctomapExport, FileIsReadByStockOctomapWithStateAndColour) {
   const VoxelMap map = wallMap();
   const std::string path = testing::TempDir() + "semantic_octree_test.ot";
   saveOctree(map, path);
@@ -58,7 +58,7 @@ TEST(SemanticOctree, FileIsReadByStockOctomapWithStateAndColour) {
   EXPECT_EQ(tree->search(0.05, 0.05, 2.35), nullptr);  // behind the wall: unknown
 }
 
-TEST(SemanticOctree, BinaryMessageIsWhatAnOcTreeReads) {
+TEST(OctomapExport, BinaryMessageIsWhatAnOcTreeReads) {
   const VoxelMap map = wallMap();
   const OctreeMessage message = binaryOctree(map);
   EXPECT_TRUE(message.binary);
@@ -69,7 +69,7 @@ TEST(SemanticOctree, BinaryMessageIsWhatAnOcTreeReads) {
   expectSame(map, tree);
 }
 
-TEST(SemanticOctree, FullMessageIsWhatAColorOcTreeReads) {
+TEST(OctomapExport, FullMessageIsWhatAColorOcTreeReads) {
   const VoxelMap map = wallMap();
   const OctreeMessage message = fullOctree(map);
   EXPECT_FALSE(message.binary);
@@ -85,7 +85,7 @@ TEST(SemanticOctree, FullMessageIsWhatAColorOcTreeReads) {
   EXPECT_EQ(volume, map.size());
 }
 
-TEST(SemanticOctree, AnEmptyMapIsAnEmptyTree) {
+TEST(OctomapExport, AnEmptyMapIsAnEmptyTree) {
   const VoxelMap empty{VoxelMapConfig()};
   EXPECT_TRUE(fullOctree(empty).data.empty());
   EXPECT_TRUE(binaryOctree(empty).data.empty());

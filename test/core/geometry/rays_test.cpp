@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/geometry/triangulation.h"
+#include "core/geometry/rays.h"
 
 #include <gtest/gtest.h>
 
@@ -13,25 +13,25 @@ Ray rayTo(const Eigen::Vector3d& origin, const Eigen::Vector3d& point) {
   return {origin, (point - origin).normalized()};
 }
 
-TEST(Triangulation, FindsThePointThatBothRaysMeetIn) {
+TEST(IntersectRays, FindsThePointThatBothRaysMeetIn) {
   const Eigen::Vector3d point(0.3, -0.2, 4.0);
-  const auto found = triangulate(rayTo({0, 0, 0}, point), rayTo({0.5, 0.1, -0.2}, point));
+  const auto found = intersectRays(rayTo({0, 0, 0}, point), rayTo({0.5, 0.1, -0.2}, point));
   ASSERT_TRUE(found);
   EXPECT_LT((*found - point).norm(), 1e-9);
 }
 
-TEST(Triangulation, OfSkewRaysIsTheMiddleBetweenThem) {
+TEST(IntersectRays, OfSkewRaysIsTheMiddleBetweenThem) {
   // Along x at z = 0 and along y at z = 1: closest at (2, 3, 0) and (2, 3, 1).
   const Ray a{{0, 3, 0}, Eigen::Vector3d::UnitX()}, b{{2, 0, 1}, Eigen::Vector3d::UnitY()};
-  EXPECT_LT((*triangulate(a, b) - Eigen::Vector3d(2, 3, 0.5)).norm(), 1e-12);
+  EXPECT_LT((*intersectRays(a, b) - Eigen::Vector3d(2, 3, 0.5)).norm(), 1e-12);
 }
 
-TEST(Triangulation, RefusesParallelRaysAndPointsBehind) {
-  EXPECT_FALSE(triangulate({{0, 0, 0}, Eigen::Vector3d::UnitZ()}, {{1, 0, 0}, Eigen::Vector3d::UnitZ()}));
+TEST(IntersectRays, RefusesParallelRaysAndPointsBehind) {
+  EXPECT_FALSE(intersectRays({{0, 0, 0}, Eigen::Vector3d::UnitZ()}, {{1, 0, 0}, Eigen::Vector3d::UnitZ()}));
   const Eigen::Vector3d point(0, 0, 2);
   Ray away = rayTo({1, 0, 0}, point);
   away.direction_world *= -1;
-  EXPECT_FALSE(triangulate(rayTo({0, 0, 0}, point), away));
+  EXPECT_FALSE(intersectRays(rayTo({0, 0, 0}, point), away));
 }
 
 TEST(Parallax, IsTheAngleBetweenTheRays) {

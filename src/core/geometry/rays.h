@@ -20,7 +20,7 @@ double parallax(const Ray& a, const Ray& b);
 
 /// The point that is closest to both rays' lines, metres (the mid-point method, Hartley and Sturm 1997, section 5.2).
 /// @return nothing if the rays are parallel to within rounding, or meet behind one of their origins
-std::optional<Eigen::Vector3d> triangulate(const Ray& a, const Ray& b);
+std::optional<Eigen::Vector3d> intersectRays(const Ray& a, const Ray& b);
 
 /// Essential matrix of two cameras: x_b^T E x_a = 0 for rays x = (x/z, y/z, 1) (Longuet-Higgins 1981).
 /// @param T_b_a  takes points of camera a to camera b, metres

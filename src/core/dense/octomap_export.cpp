@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/dense/semantic_octree.h"
+#include "core/dense/octomap_export.h"
 
 #include <octomap/ColorOcTree.h>
 

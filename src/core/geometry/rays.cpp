@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/geometry/triangulation.h"
+#include "core/geometry/rays.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ double parallax(const Ray& a, const Ray& b) {
   return std::atan2(a.direction_world.cross(b.direction_world).norm(), a.direction_world.dot(b.direction_world));
 }
 
-std::optional<Eigen::Vector3d> triangulate(const Ray& a, const Ray& b) {
+std::optional<Eigen::Vector3d> intersectRays(const Ray& a, const Ray& b) {
   // The points a + s da and b + t db whose connection is at right angles to both directions.
   const Eigen::Vector3d between = b.origin_world - a.origin_world;
   const double cosine = a.direction_world.dot(b.direction_world);

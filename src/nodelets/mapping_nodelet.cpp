@@ -51,7 +51,7 @@ struct MappingNodeletConfig {
 };
 
 /// Images and poses of keyframes, motion masks and labels -> mapping/{semantic_cloud, octomap_binary, octomap_full,
-/// projected_map, objects}. The maps follow tracking/keyframe_poses.
+/// projected_map, objects}, and mapping/removed when watched. The maps follow tracking/keyframe_poses.
 class MappingNodelet final : public StageNodelet {
  public:
   ~MappingNodelet() override { stop(); }
@@ -64,16 +64,19 @@ class MappingNodelet final : public StageNodelet {
   void advertiseServices(ros::NodeHandle private_nh);
   void report(StageDiagnostics::Status& status);
   void publish(DenseStage& stage);
+  void publishRemoved(const KeyframeInput& input, const cv::Mat1b& removed);
   void save(DenseStage& stage) const;
 
   MappingNodeletConfig config_;
   std::optional<MapPublisher> publisher_;   // runner only
   std::optional<RgbdConverter> converter_;  // runner only
+  std_msgs::Header header_;                 // runner only; of the image in work
   std::size_t published_ = 0;               // runner only; DenseStage::changes() then
   ros::SteadyTime next_publication_;        // runner only; not before
   std::atomic<bool> publication_due_{false};
   std::atomic<double> publication_s_{0.0};  // what the last one took
   std::atomic<std::size_t> keyframes_{0}, voxels_{0}, unplaced_{0};
+  ros::Publisher removed_publisher_;
   std::unique_ptr<StageDiagnostics> diagnostics_;
   std::unique_ptr<DenseRunner> runner_;
   // Last, so that callbacks stop before what they use is gone.
@@ -95,6 +98,7 @@ void MappingNodelet::start() {
   diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "mapping", config_.budget_ms);
   publisher_.emplace(nh, config_.map_frame, config_.objects);
   converter_.emplace(config_.frames.input);
+  removed_publisher_ = nh.advertise<sensor_msgs::Image>("mapping/removed", 5);
   run(nh);
   // Services wait for the worker: they get threads of their own, so that images still come in meanwhile.
   advertiseServices(getMTPrivateNodeHandle());
@@ -107,10 +111,12 @@ void MappingNodelet::run(ros::NodeHandle nh) {
   const auto running = [this] { return Running{motion_ && motion_->runs(), labels_.getNumPublishers() > 0}; };
   runner_ = std::make_unique<DenseRunner>(
       DenseStage(config_.dense, config_.removal), config_.inputs, config_.frames.kept_frames,
-      DenseRunner::Hooks{
-          running,
-          [this](const KeyframeInput& input, StepTime time) { diagnostics_->record(input.keyframe.stamp, time); },
-          [this](DenseStage& stage) { publish(stage); }});
+      DenseRunner::Hooks{running,
+                         [this](const KeyframeInput& input, const cv::Mat1b& removed, StepTime time) {
+                           diagnostics_->record(input.keyframe.stamp, time);
+                           publishRemoved(input, removed);
+                         },
+                         [this](DenseStage& stage) { publish(stage); }});
   publish_timer_ = nh.createSteadyTimer(ros::WallDuration(config_.publish_period_s), [this](const auto&) {
     publication_due_ = true;
     runner_->wake();
@@ -133,7 +139,7 @@ void MappingNodelet::subscribe(ros::NodeHandle nh, ros::NodeHandle private_nh) {
       "tracking/keyframe", 50,
       [this](const KeyframeStampedConstPtr& keyframe) { runner_->name(noticeFromRos(*keyframe)); }));
   input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.frames.input, [this](const RgbdMessages& messages) {
-    runner_->offer(converter_->pending(messages));
+    runner_->offer(converter_->pending(messages, header_));
   });
 }
 
@@ -194,6 +200,13 @@ void MappingNodelet::publish(DenseStage& stage) {
   const ros::WallDuration taken = ros::SteadyTime::now() - begin;
   publication_s_ = taken.toSec();
   next_publication_ = ros::SteadyTime::now() + taken * kRestPerWork;
+}
+
+/// What a keyframe's map leaves out, for who wants to look.
+void MappingNodelet::publishRemoved(const KeyframeInput& input, const cv::Mat1b& removed) {
+  if (removed_publisher_.getNumSubscribers() == 0) return;
+  const cv::Mat1b nothing = cv::Mat1b::zeros(input.frame.gray.size());
+  removed_publisher_.publish(toRos(header_, "mono8", removed.empty() ? nothing : removed));
 }
 
 void MappingNodelet::save(DenseStage& stage) const {

@@ -98,12 +98,7 @@ void MotionNodelet::subscribe(ros::NodeHandle nh, ros::NodeHandle private_nh) {
         runner_->take(TimedPose{fromRos(report->header.stamp), fromRos(report->camera)});
       }));
   input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.input, [this](const RgbdMessages& messages) {
-    PendingFrame pending = converter_->pending(messages);
-    pending.decode = [this, messages] {
-      header_ = messages.rgb->header;
-      return converter_->convert(messages);
-    };
-    runner_->push(std::move(pending));
+    runner_->push(converter_->pending(messages, header_));
   });
 }
 

@@ -113,12 +113,7 @@ void SegmentationNodelet::run(LabelStage stage, ros::NodeHandle nh, ros::NodeHan
   subscribers_.push_back(nh.subscribe<KeyframePoseArray>(
       "tracking/keyframe_poses", 1, [this](const KeyframePoseArrayConstPtr& map) { runner_->take(fromRos(*map)); }));
   input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.frames.input, [this](const RgbdMessages& messages) {
-    PendingFrame pending = converter_->pending(messages);
-    pending.decode = [this, messages] {
-      header_ = messages.rgb->header;
-      return converter_->convert(messages);
-    };
-    runner_->offer(std::move(pending));
+    runner_->offer(converter_->pending(messages, header_));
   });
 }
 

@@ -138,15 +138,14 @@ void TrackingNodelet::subscribe(ros::NodeHandle nh, ros::NodeHandle private_nh) 
   subscribers_.push_back(nh.subscribe<LabelInfo>(
       "segmentation/label_info", 1, [this](const LabelInfoConstPtr& info) { runner_->take(fromRos(*info)); }));
   input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.input, [this](const RgbdMessages& messages) {
-    PendingFrame pending = converter_->pending(messages);
+    PendingFrame pending = converter_->pending(messages, header_);
     pending.decode = [this, messages] { return decode(messages); };
     if (!paused_) runner_->push(std::move(pending));
   });
 }
 
 std::optional<RgbdFrame> TrackingNodelet::decode(const RgbdMessages& messages) {
-  header_ = messages.rgb->header;
-  const std::optional<RgbdFrame> frame = converter_->convert(messages);
+  std::optional<RgbdFrame> frame = converter_->pending(messages, header_).decode();
   if (!frame) return std::nullopt;
   body_ = publisher_->lookUp(header_);
   return body_ ? frame : std::nullopt;  // counted; the next frame may know

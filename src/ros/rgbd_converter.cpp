@@ -42,8 +42,11 @@ std::optional<RgbdFrame> RgbdConverter::convert(const RgbdMessages& messages) {
   }
 }
 
-PendingFrame RgbdConverter::pending(const RgbdMessages& messages) {
-  return {fromRos(messages.rgb->header.stamp), messages.recording, [this, messages] { return convert(messages); }};
+PendingFrame RgbdConverter::pending(const RgbdMessages& messages, std_msgs::Header& header) {
+  return {fromRos(messages.rgb->header.stamp), messages.recording, [this, messages, &header] {
+            header = messages.rgb->header;
+            return convert(messages);
+          }};
 }
 
 }  // namespace semantic_vslam

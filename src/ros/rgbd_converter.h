@@ -25,7 +25,8 @@ class RgbdConverter {
   std::optional<RgbdFrame> convert(const RgbdMessages& messages);
 
   /// The same for a stage to call when it needs the frame. This object must outlive what is returned.
-  PendingFrame pending(const RgbdMessages& messages);
+  /// @param header  filled with the colour image's when the frame is decoded
+  PendingFrame pending(const RgbdMessages& messages, std_msgs::Header& header);
 
   std::size_t refused() const { return refused_; }
 

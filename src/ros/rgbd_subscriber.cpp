@@ -74,7 +74,7 @@ void RgbdSubscriber::onInfo(const sensor_msgs::CameraInfoConstPtr& info) {
 
 void RgbdSubscriber::onPair(const sensor_msgs::ImageConstPtr& rgb, const sensor_msgs::ImageConstPtr& depth) {
   if (clockWentBack(rgb->header.stamp)) ++recording_;
-  RgbdMessages messages{recording_, pairs_, rgb, depth, nullptr};
+  RgbdMessages messages{pairs_, rgb, depth, nullptr, recording_};
   {
     std::lock_guard<std::mutex> lock(mutex_);
     if (config_.camera_file.empty()) {

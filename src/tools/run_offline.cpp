@@ -44,10 +44,11 @@ constexpr const char* kUsage =
     "  --set KEY=VALUE      one key; may be repeated, holds over --config\n"
     "  --deterministic      one thread, nothing dropped, the same bytes out for the same bytes in (the default, said\n"
     "                       for the record: it refuses --realtime)\n"
-    "  --realtime           frames come at the pace of their stamps and are decoded ahead; motion, tracking and "
-    "mapping\n"
-    "                       have threads of their own, and frames that wait too long are dropped, the oldest first\n"
-    "  --masks              also write masks/STAMP.png: what tracking took as moving, 255\n"
+    "  --realtime           frames come at the pace of their stamps and are decoded ahead; each "
+    "stage\n"
+    "                       has threads of its own, and frames that wait too long are dropped, the oldest first\n"
+    "  --masks              also write masks/STAMP.png: what tracking left out, 255; and, but with --realtime,\n"
+    "                       removed/STAMP.png: what each keyframe's map left out, 0..255, 128 and more\n"
     "  --start N            first frame, from 0\n"
     "  --frames N           frames to run at most\n"
     "  --color-topic, --depth-topic, --info-topic NAME   for a bag whose topics are not recognised\n"
@@ -134,7 +135,7 @@ class Output {
 
   void add(const RgbdFrame& frame, const StepResult& step, const cv::Mat1b& truth) {
     recorder_.add(frame, step, truth);
-    if (options_.masks) writeMask(options_.out + "/masks", frame.stamp, step.removed, frame.bgr.size());
+    if (options_.masks) writeMasks(frame, step);
     const std::size_t keyframes = step.map ? step.map->keyframes() : 0;
     progress_.show(report().frames, std::to_string(keyframes) + " keyframes, " + stateName(step.tracking.state));
   }
@@ -152,6 +153,15 @@ class Output {
   RunReport& report() { return recorder_.report(); }
 
  private:
+  void writeMasks(const RgbdFrame& frame, const StepResult& step) const {
+    writeMask(options_.out + "/masks", frame.stamp, step.removed, frame.bgr.size());
+    for (const StepResult::Mapped& keyframe : step.mapped) {
+      const cv::Mat1b nothing = cv::Mat1b::zeros(frame.bgr.size());
+      writeImageFile(options_.out + "/removed/" + formatStamp(keyframe.stamp) + ".png",
+                     keyframe.removed.empty() ? nothing : keyframe.removed);
+    }
+  }
+
   const Options& options_;
   const DenseConfig& dense_;
   const FrameSource& source_;
@@ -224,6 +234,7 @@ int run(const Arguments& arguments, const SystemConfig& config) {
   const Options options = readOptions(arguments, *source);
   std::error_code failed;
   fs::create_directories(options.masks ? options.out + "/masks" : options.out, failed);
+  if (options.masks && !failed) fs::create_directories(options.out + "/removed", failed);
   if (failed) throw FileError("output folder '" + options.out + "' cannot be made: " + failed.message());
   requireWritable(options.out + "/summary.json");
   if (options.realtime) source = std::make_unique<ReadAhead>(std::move(source), kReadAhead);

@@ -205,11 +205,33 @@ TEST(Conversions, KeyframesKeepIdStampAndPose) {
   message.keyframes.push_back(toRos(KeyframePose{KeyframeId(7), Stamp{123456789012}, somePose()}, "map", 3));
   EXPECT_EQ(message.keyframes[0].header.frame_id, "map");
   EXPECT_EQ(message.keyframes[0].map_id, 3U);
-  const std::vector<KeyframePose> back = fromRos(message);
-  ASSERT_EQ(back.size(), 1U);
-  EXPECT_EQ(back[0].keyframe, KeyframeId(7));
-  EXPECT_EQ(back[0].stamp, Stamp{123456789012});
-  EXPECT_TRUE(back[0].T_world_camera.isApprox(somePose(), 1e-12));
+  message.map_id = 3;
+  message.keyframes.push_back(toRos(KeyframePose{KeyframeId(8), Stamp{0}, SE3::Identity()}, "map", 3));
+  message.keyframes.back().placed = false;
+  const MapSnapshot back = fromRos(message);
+  EXPECT_EQ(back.map_id, 3U);
+  ASSERT_EQ(back.poses.size(), 1U);
+  EXPECT_EQ(back.poses[0].keyframe, KeyframeId(7));
+  EXPECT_EQ(back.poses[0].stamp, Stamp{123456789012});
+  EXPECT_TRUE(back.poses[0].T_world_camera.isApprox(somePose(), 1e-12));
+  EXPECT_EQ(back.unplaced, std::vector<KeyframeId>{KeyframeId(8)});
+}
+
+TEST(Conversions, AMotionReportKeepsAllButTheMask) {
+  MotionResult motion;
+  motion.model = MotionModel::kHomography;
+  motion.inliers = 12;
+  motion.dynamic_share = 0.25;
+  motion.labels = Stamp{5};
+  motion.moving = cv::Mat1b(3, 4, std::uint8_t{0});
+  motion.moving(1, 2) = 200;
+  const MotionResult back = fromRos(toRos(std_msgs::Header(), motion));
+  EXPECT_EQ(back.model, MotionModel::kHomography);
+  EXPECT_EQ(back.inliers, 12);
+  EXPECT_EQ(back.dynamic_share, 0.25);
+  EXPECT_EQ(back.labels, Stamp{5});
+  EXPECT_EQ(cv::countNonZero(back.moving != motion.moving), 0);
+  EXPECT_FALSE(fromRos(toRos(std_msgs::Header(), MotionResult())).labels);
 }
 
 }  // namespace

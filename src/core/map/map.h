@@ -54,7 +54,7 @@ struct MapSolution {
 /// Sole owner of keyframes and landmarks, held by value; everybody else holds ids or copies. Keyframes hang in spanning
 /// trees. Each tree has a frame of reference of its own: the one with the oldest keyframe is the world, another one was
 /// begun at an unknown place and waits to be joined with it (see joinTrees()). Knows no thread: the
-/// caller serialises access (SharedMap guards it by one mutex).
+/// caller serialises access.
 class Map {
  public:
   // -- growing

@@ -57,12 +57,13 @@ bool DenseStage::isOfNewestMap(std::uint32_t map_id) {
   return true;
 }
 
-void DenseStage::add(const KeyframeInput& input) {
-  if (!isOfNewestMap(input.keyframe.map_id)) return;
+cv::Mat1b DenseStage::add(const KeyframeInput& input) {
+  const cv::Mat1b removed = removedPixels(input.motion, input.labels, inside_->label_set, inside_->removal);
+  if (!isOfNewestMap(input.keyframe.map_id)) return removed;
   if (input.keyframe.map_id != inside_->map_id) inside_->start(input.keyframe.map_id);
-  inside_->waiting.add({input.keyframe.id, input.frame, input.labels,
-                        removedPixels(input.motion, input.labels, inside_->label_set, inside_->removal)});
+  inside_->waiting.add({input.keyframe.id, input.frame, input.labels, removed});
   inside_->place();
+  return removed;
 }
 
 void DenseStage::take(const MapSnapshot& map) {

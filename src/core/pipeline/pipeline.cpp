@@ -40,8 +40,8 @@ StepResult Pipeline::step(const RgbdFrame& frame) {
   if (!motion) return {};
   TrackingInput input{frame, *motion, {}, labels_.enabled()};
   if (tracking_.wantsLabels(input)) input.labels = label(frame);  // k1 must hold no people
-  StepResult result{track(std::move(input)), std::move(*motion)};
-  for (const KeyframeNotice& keyframe : result.keyframes) map(keyframe, *result.map);
+  StepResult result{track(std::move(input)), std::move(*motion), {}};
+  for (const KeyframeNotice& keyframe : result.keyframes) map(keyframe, result);
   if (labels_.isDue(frame.stamp)) label(frame);
   passBack(frame, result);
   return result;
@@ -90,15 +90,15 @@ void Pipeline::maintain(TrackingOutput& output, const RgbdFrame& frame) {
   output.map = tracking_.snapshot();
 }
 
-void Pipeline::map(const KeyframeNotice& keyframe, const MapSnapshot& map) {
+void Pipeline::map(const KeyframeNotice& keyframe, StepResult& result) {
   const KeyframeInputs::Named named = inputs_.name(keyframe);
   if (labels_.enabled() && named.frame && !inputs_.hasLabels(keyframe.stamp)) label(*named.frame->decode());
   if (!config_.dense.enabled) return;
   const std::optional<KeyframeInput> input = inputs_.gather(named, {true, labels_.enabled()});
   if (!input) return;
   auto timer = times_.scope("dense_mapping", input->frame.index);
-  dense_.add(*input);
-  dense_.take(map);
+  result.mapped.push_back({keyframe.stamp, dense_.add(*input)});
+  dense_.take(*result.map);
 }
 
 /// What the stages before tracking learn of the map.

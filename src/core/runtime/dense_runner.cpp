@@ -82,8 +82,8 @@ void DenseRunner::integrate(const KeyframeInputs::Named& named) {
   const StepClock clock;
   const auto input = inputs_.with([&](KeyframeInputs& inputs) { return inputs.gather(named, hooks_.running()); });
   if (!input) return;
-  stage_.add(*input);
-  if (hooks_.added) hooks_.added(*input, clock.elapsed());
+  const cv::Mat1b removed = stage_.add(*input);
+  if (hooks_.added) hooks_.added(*input, removed, clock.elapsed());
 }
 
 void DenseRunner::finish() {

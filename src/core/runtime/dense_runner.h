@@ -21,9 +21,10 @@ namespace semantic_vslam {
 class DenseRunner {
  public:
   struct Hooks {
-    std::function<Running()> running;                           ///< asked while it waits
-    std::function<void(const KeyframeInput&, StepTime)> added;  ///< after a keyframe, on the stage's thread
-    std::function<void(DenseStage&)> after;                     ///< after each piece of work, on the stage's thread
+    std::function<Running()> running;  ///< asked while it waits
+    std::function<void(const KeyframeInput&, const cv::Mat1b& removed, StepTime)>
+        added;                               ///< after a keyframe, on the stage's thread
+    std::function<void(DenseStage&)> after;  ///< after each piece of work, on the stage's thread
   };
   static constexpr std::size_t kQueue = 64;
 

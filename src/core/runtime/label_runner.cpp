@@ -7,6 +7,8 @@ namespace {
 
 // Who asks may be ahead of this stage's own pairing of colour and depth.
 constexpr double kImagesWaitS = 0.5;
+// k1 and k2 are named at once; of others the newest two.
+constexpr std::size_t kWaiting = 2;
 
 }  // namespace
 
@@ -18,7 +20,7 @@ LabelRunner::LabelRunner(LabelStage stage, std::size_t kept_frames, Sink sink, s
       frames_(kept_frames),
       enabled_(stage_.enabled()),
       worker_(
-          1, QueuePolicy::kDropOldest, [this](const Job& job) { step(job); }, WorkerPriority::kKeyframes) {}
+          kWaiting, QueuePolicy::kDropOldest, [this](const Job& job) { step(job); }, WorkerPriority::kKeyframes) {}
 
 void LabelRunner::offer(PendingFrame frame) {
   const Stamp stamp = frame.stamp;

@@ -73,7 +73,9 @@ PipelineRunner::Threads::Threads(const SystemConfig& config, LabelStage labels, 
   // Nothing is pushed before all are there, so none calls another one that is not.
   DenseRunner::Hooks dense_hooks;
   dense_hooks.running = [this] { return running(); };
-  dense_hooks.added = [this](const auto& input, StepTime taken) { time("dense_mapping", input.frame, taken); };
+  dense_hooks.added = [this](const auto& input, const auto&, StepTime taken) {
+    time("dense_mapping", input.frame, taken);
+  };
   dense_ = std::make_unique<DenseRunner>(std::move(dense), config_.inputs, kKeptFrames, std::move(dense_hooks));
   labels_ = std::make_unique<LabelRunner>(
       std::move(labels), kKeptFrames,
@@ -138,7 +140,7 @@ void PipelineRunner::Threads::onTracked(const TrackingInput& input, const Tracki
   }
   if (failed_) return;
   try {
-    sink_(input.frame, StepResult{output, input.motion});
+    sink_(input.frame, StepResult{output, input.motion, {}});
   } catch (...) {
     std::lock_guard<std::mutex> lock(error_mutex_);
     if (!error_) error_ = std::current_exception();

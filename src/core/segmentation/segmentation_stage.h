@@ -12,7 +12,7 @@
 
 namespace semantic_vslam {
 
-/// Stage 4: labels of a frame, cut to the objects' depth edges. Not thread-safe: one caller at a time.
+/// Labels of a frame, cut to the objects' depth edges. Not thread-safe: one caller at a time.
 class SegmentationStage {
  public:
   /// Opens config.model; with no model there are no labels, said once in the log.

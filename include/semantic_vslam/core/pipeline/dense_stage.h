@@ -24,7 +24,8 @@ class DenseStage {
   DenseStage(DenseStage&&) noexcept;
 
   /// Adds a keyframe as soon as its place in the world is known; one of a map that was left is passed over.
-  void add(const KeyframeInput& input);
+  /// @return what is removed from it, see removedPixels()
+  cv::Mat1b add(const KeyframeInput& input);
   /// Takes the poses as they stand. Those of another map begin an empty one.
   void take(const MapSnapshot& map);
   /// Other classes than before begin an empty map.

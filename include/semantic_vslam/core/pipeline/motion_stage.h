@@ -33,7 +33,8 @@ class MotionStage {
   /// Labels of a frame. Those that are faster than their frame, or than the list of classes, wait for it.
   void take(FrameLabels labels);
   void take(const LabelSet& label_set);
-  /// Where the keyframes stand: what they saw free is remembered. Another map than before is forgotten.
+  /// Where the keyframes stand: what they saw free is remembered. With none of them known the map is another one: it
+  /// forgets the old.
   void take(const MapSnapshot& map);
   /// Where tracking found a frame.
   void take(const TimedPose& pose);

@@ -45,7 +45,7 @@ class Pipeline {
   std::optional<FrameLabels> label(const RgbdFrame& frame);
   TrackingOutput track(TrackingInput input);
   void maintain(TrackingOutput& output, const RgbdFrame& frame);
-  void map(const KeyframeNotice& keyframe, const MapSnapshot& map);
+  void map(const KeyframeNotice& keyframe, StepResult& result);
   void passBack(const RgbdFrame& frame, const TrackingOutput& output);
 
   const SystemConfig config_;

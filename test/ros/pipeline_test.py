@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The robot runs what is measured: one recording through the nodelets, where nothing is dropped, and through run_offline."""
+import json
+import os
+import subprocess
+import tempfile
+import time
+import unittest
+
+import cv2
+import rosbag
+import rospkg
+import rospy
+from programs import program
+from semantic_vslam.msg import KeyframeStamped, TrackingReport
+from sensor_msgs.msg import CameraInfo, Image
+from slam_test import DEPTH_TOPIC, IMAGE_TOPIC, Recording, rendered_bag, wait_for_stages, wait_until
+from std_srvs.srv import Trigger
+
+INFO_TOPIC = "/camera/rgb/camera_info"
+FRAMES = 60
+REST_S = 0.15  # for what no message tells the end of: the map's upkeep, labels on their way
+
+
+class PipelineTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("pipeline_test")
+        cls.states, cls.keyframes, cls.removed = {}, {}, {}
+        cls.subscribers = [
+            rospy.Subscriber("tracking/state", TrackingReport, cls.keep, callback_args=cls.states, queue_size=500),
+            rospy.Subscriber("tracking/keyframe", KeyframeStamped, cls.keep, callback_args=cls.keyframes, queue_size=500),
+            rospy.Subscriber("mapping/removed", Image, cls.keep, callback_args=cls.removed, queue_size=500)]
+        cls.publishers = {topic: rospy.Publisher(topic, kind, queue_size=10)
+                          for topic, kind in ((IMAGE_TOPIC, Image), (DEPTH_TOPIC, Image), (INFO_TOPIC, CameraInfo))}
+        wait_for_stages("tracking", "motion", "segmentation", "mapping")
+        cls.give_frames(rendered_bag())
+        cls.out = tempfile.mkdtemp(dir=".")
+        model = os.path.join(rospkg.RosPack().get_path("semantic_vslam"), "test/data/models/tiny_labels.onnx")
+        subprocess.check_call([program("run_offline"), rendered_bag(), "--out", cls.out, "--masks", "--frames",
+                               str(FRAMES), "--set", "segmentation.model=" + model])
+
+    @staticmethod
+    def keep(message, by_stamp):
+        by_stamp[message.header.stamp.to_nsec()] = message
+
+    @classmethod
+    def give_frames(cls, path):
+        """One after the other, each when everything of the one before is done."""
+        given = {IMAGE_TOPIC: 0, DEPTH_TOPIC: 0, INFO_TOPIC: 0}
+        with rosbag.Bag(path) as bag:
+            for topic, message, _ in bag.read_messages(list(given)):
+                # Colour and depth are stamped alike here; the one that comes second makes the pair.
+                cls.publishers[topic].publish(message)
+                given[topic] += 1
+                if topic != INFO_TOPIC and given[IMAGE_TOPIC] == given[DEPTH_TOPIC]:
+                    cls.wait_for(message.header.stamp.to_nsec())
+                if min(given[IMAGE_TOPIC], given[DEPTH_TOPIC]) == FRAMES:
+                    return
+
+    @classmethod
+    def wait_for(cls, stamp):
+        wait_until(lambda: stamp in cls.states, 10, f"tracking of frame {stamp}")
+        time.sleep(REST_S)
+        wait_until(lambda: cls.keyframes.keys() <= cls.removed.keys(), 10, "mapping of the keyframes")
+
+    def offline_removed(self):
+        """@return stamp in ns -> what run_offline left out of a keyframe's map"""
+        folder = os.path.join(self.out, "removed")
+        removed = {}
+        for name in os.listdir(folder):
+            seconds, decimals = name[:-len(".png")].split(".")
+            stamp = int(seconds) * 10**9 + int(decimals.ljust(9, "0"))
+            removed[stamp] = cv2.imread(os.path.join(folder, name), cv2.IMREAD_UNCHANGED)
+        return removed
+
+    def test_every_frame_is_tracked(self):
+        self.assertEqual(len(self.states), FRAMES)
+        self.assertTrue(all(state.has_mask for state in self.states.values()))
+
+    def test_every_keyframe_loses_the_same_pixels(self):
+        offline = self.offline_removed()
+        common = offline.keys() & self.removed.keys()
+        self.assertGreaterEqual(len(common), max(3, 0.9 * len(offline)), f"{sorted(offline)} {sorted(self.removed)}")
+        for stamp in common:
+            self.assertTrue((Recording.pixels(self.removed[stamp]) == offline[stamp]).all(), f"keyframe {stamp}")
+        self.assertTrue(any((removed >= 128).any() for removed in offline.values()), "something is left out")
+
+    def test_the_trajectories_are_as_good(self):
+        self.assertTrue(rospy.ServiceProxy("/slam_tracking/save_trajectory", Trigger)().success)
+        errors = [self.error_m(path) for path in ("trajectory.txt", os.path.join(self.out, "trajectory.txt"))]
+        self.assertLess(abs(errors[0] - errors[1]), 0.05 * errors[1] + 1e-6, errors)
+
+    def error_m(self, trajectory):
+        truth = os.path.join(self.out, "truth.txt")
+        with rosbag.Bag(rendered_bag()) as bag, open(truth, "w", encoding="utf-8") as file:
+            for _, message, _ in bag.read_messages("/groundtruth/pose"):
+                p, q = message.pose.position, message.pose.orientation
+                stamp = message.header.stamp
+                file.write(f"{stamp.secs}.{stamp.nsecs:09d} {p.x} {p.y} {p.z} {q.x} {q.y} {q.z} {q.w}\n")
+        return json.loads(subprocess.check_output([program("evaluate_trajectory"), truth, trajectory,
+                                                   "--json"]))["ate_m"]["rmse"]
+
+
+if __name__ == "__main__":
+    import rostest
+    rostest.rosrun("semantic_vslam", "pipeline_test", PipelineTest)

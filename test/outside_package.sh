@@ -4,7 +4,10 @@
 # Builds and runs test/outside_package against what an install gives: with plain CMake against the core alone, and as a
 # catkin package against all of it; and builds the core by itself, without catkin. usage: outside_package.sh REPOSITORY BUILD
 set -euo pipefail
-repository=$1 build=$2
+repository=$(cd "$1" && pwd) build=$(cd "$2" && pwd)
+# The build's own devel space must not be seen, only what is installed (and ROS).
+CMAKE_PREFIX_PATH=$(tr ':' '\n' <<<"${CMAKE_PREFIX_PATH:-}" | grep -v "^$build/" | paste -sd: || true)
+export CMAKE_PREFIX_PATH
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 options=(-DCMAKE_BUILD_TYPE=Release)

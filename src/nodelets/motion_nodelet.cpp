@@ -27,12 +27,14 @@ struct MotionNodeletConfig {
   double budget_ms = 33.0;
   RgbdInputConfig input;
   MotionConfig motion;
+  RemovalConfig removal;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("budget_ms", budget_ms, 1.0, 1000.0, "ms a frame may take before the diagnostics warn; 33 keeps 30 Hz");
     v.group("input", input);
     v.group("motion", motion);
+    v.group("removal", removal);
   }
 };
 
@@ -72,7 +74,7 @@ void MotionNodelet::start() {
   report_publisher_ = nh.advertise<MotionReport>("motion/report", 30);
   diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "motion", config_.budget_ms);
   runner_ = std::make_unique<MotionRunner>(
-      MotionStage(config_.motion), config_.input.queue_size,
+      MotionStage(config_.motion, config_.removal), config_.input.queue_size,
       [this](const RgbdFrame& frame, const MotionResult& motion, StepTime time) { publish(frame, motion, time); });
   subscribe(nh, private_nh);
   diagnostics_->start(nh, {[this] { return input_->missing(); }, [this] { return runner_->counters(); },
@@ -84,6 +86,7 @@ void MotionNodelet::subscribe(ros::NodeHandle nh, ros::NodeHandle private_nh) {
       private_nh, config_, [this](const MotionNodeletConfig& accepted) {
         validateConfig(accepted);
         runner_->take(accepted.motion);
+        runner_->take(accepted.removal);
       });
   subscribers_.push_back(nh.subscribe<LabelInfo>(
       "segmentation/label_info", 1, [this](const LabelInfoConstPtr& info) { runner_->take(fromRos(*info)); }));

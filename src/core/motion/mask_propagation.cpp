@@ -68,7 +68,8 @@ cv::Mat1f personShare(const cv::Mat1b& labels, const LabelSet& label_set, cv::Si
 
 }  // namespace
 
-MaskPropagation::MaskPropagation(const MaskPropagationConfig& config) : config_(config) {}
+MaskPropagation::MaskPropagation(const MaskPropagationConfig& config, const RemovalConfig& removal)
+    : config_(config), removal_(removal) {}
 
 void MaskPropagation::reset() {
   entries_.clear();
@@ -102,7 +103,7 @@ cv::Mat1f MaskPropagation::dynamicOf(const Entry& entry, const cv::Mat1b& labels
   cv::Mat1f dynamic = personShare(labels, label_set, size);
   cv::Mat1b reduced, removed;
   cv::resize(labels, reduced, size, 0, 0, cv::INTER_NEAREST);
-  decideDynamic(reduced, label_set, entry.moving, config_.phi, &removed);  // eq. (5)
+  decideDynamic(reduced, label_set, entry.moving, removal_.phi, &removed);  // eq. (5)
   cv::Mat1f whole_cells;
   removed.convertTo(whole_cells, CV_32F, 1.0 / 255.0);
   // People to a fraction of a cell, moving things to whole cells.

@@ -22,9 +22,10 @@ namespace semantic_vslam {
 /// Labels that come late are traced through all frames since their own at once.
 class MaskPropagation {
  public:
-  explicit MaskPropagation(const MaskPropagationConfig& config);
+  explicit MaskPropagation(const MaskPropagationConfig& config, const RemovalConfig& removal = {});
 
   void setConfig(const MaskPropagationConfig& config) { config_ = config; }
+  void setConfig(const RemovalConfig& removal) { removal_ = removal; }
 
   void reset();
   /// Advances to a new frame.
@@ -62,6 +63,7 @@ class MaskPropagation {
   cv::Mat1f dynamicOf(const Entry& entry, const cv::Mat1b& labels, const LabelSet& label_set) const;
 
   MaskPropagationConfig config_;
+  RemovalConfig removal_;
   std::deque<Entry> entries_;
   cv::Mat1f mask_;    // of the labels' own frame, 0 .. 1
   cv::Mat2f origin_;  // position in that frame of each present cell; NaN = lost

@@ -82,11 +82,11 @@ SE3 scaleMotion(const SE3& motion, double factor) { return se3Exp(factor * se3Lo
 
 }  // namespace
 
-MotionDetector::MotionDetector(const MotionConfig& config)
+MotionDetector::MotionDetector(const MotionConfig& config, const RemovalConfig& removal)
     : config_(validated(config)),
       dense_flow_(config.flow),
       memory_(config.memory),
-      propagation_(config.semantics),
+      propagation_(config.semantics, removal),
       room_(config.room) {}
 
 void MotionDetector::setConfig(const MotionConfig& config) {

@@ -25,11 +25,12 @@ namespace semantic_vslam {
 class MotionDetector {
  public:
   /// @throws ConfigError if a value is out of range.
-  explicit MotionDetector(const MotionConfig& config);
+  explicit MotionDetector(const MotionConfig& config, const RemovalConfig& removal = {});
 
   /// Takes other thresholds between two frames. What is known of the scene stays, unless the model or the grid differ.
   /// @throws ConfigError if a value is out of range; the old ones then stay.
   void setConfig(const MotionConfig& config);
+  void setConfig(const RemovalConfig& removal) { propagation_.setConfig(removal); }
 
   /// The first frame, and one whose stamp does not follow the last or whose camera differs, starts anew: all static.
   MotionResult detect(const RgbdFrame& frame);

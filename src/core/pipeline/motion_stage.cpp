@@ -19,7 +19,8 @@ constexpr std::size_t kMostWaiting = 10;  // label images; older ones would come
 }  // namespace
 
 struct MotionStage::Inside {
-  Inside(const MotionConfig& config, double label_delay_s) : delay_s(label_delay_s), detector(config) {}
+  Inside(const MotionConfig& config, const RemovalConfig& removal, double label_delay_s)
+      : delay_s(label_delay_s), detector(config, removal) {}
 
   /// Gives the detector the labels whose frame it has seen. @param now  of the frame to come
   void passLabelsOn(Stamp now) {
@@ -44,8 +45,8 @@ struct MotionStage::Inside {
   std::size_t taken = 0, too_late = 0;
 };
 
-MotionStage::MotionStage(const MotionConfig& config, double label_delay_s)
-    : inside_(std::make_unique<Inside>(config, label_delay_s)) {}
+MotionStage::MotionStage(const MotionConfig& config, const RemovalConfig& removal, double label_delay_s)
+    : inside_(std::make_unique<Inside>(config, removal, label_delay_s)) {}
 MotionStage::~MotionStage() = default;
 MotionStage::MotionStage(MotionStage&&) noexcept = default;
 
@@ -81,6 +82,8 @@ void MotionStage::take(const MapSnapshot& map) {
 void MotionStage::take(const TimedPose& pose) { inside_->detector.takeFramePose(pose); }
 
 void MotionStage::take(const MotionConfig& config) { inside_->detector.setConfig(config); }
+
+void MotionStage::take(const RemovalConfig& removal) { inside_->detector.setConfig(removal); }
 
 std::size_t MotionStage::labelsTaken() const { return inside_->taken; }
 std::size_t MotionStage::labelsTooLate() const { return inside_->too_late; }

@@ -24,7 +24,7 @@ Pipeline::Pipeline(const SystemConfig& config, std::unique_ptr<Segmenter> segmen
 
 Pipeline::Pipeline(const SystemConfig& config, LabelStage labels)
     : config_(config),
-      motion_(config.motion, config.label_delay_s),
+      motion_(config.motion, config.removal, config.label_delay_s),
       labels_(std::move(labels)),
       tracking_(config.slam, config.waits, config.removal),
       inputs_(config.inputs, kKeptFrames),

@@ -63,7 +63,7 @@ PipelineRunner::Threads::Threads(const SystemConfig& config, LabelStage labels, 
     : config_(config), sink_(std::move(sink)) {
   validateConfig(config_);
   const LabelSet label_set = labels.labels();
-  MotionStage motion(config_.motion, config_.label_delay_s);
+  MotionStage motion(config_.motion, config_.removal, config_.label_delay_s);
   motion.take(label_set);
   TrackingStage tracking(config_.slam, config_.waits, config_.removal);
   tracking.take(label_set);

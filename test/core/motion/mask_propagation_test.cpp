@@ -107,12 +107,12 @@ TEST(MaskPropagationTest, TrustFadesWithTheConfiguredTime) {
 }
 
 TEST(MaskPropagationTest, MovableThingsCountOnlyIfEnoughOfThemMoved) {
-  MaskPropagation propagation{MaskPropagationConfig()};  // phi = 0.3
+  MaskPropagation propagation{MaskPropagationConfig()};  // phi = 0.4
   addFrame(propagation, 0.0, {});
   cv::Mat1b labels = labelsWithBlock(kChair, {2, 2, 10, 10});
   labels.setTo(kChair, labelsWithBlock(kChair, {20, 2, 10, 10}) == kChair);
   cv::Mat1b moving(kHeight, kWidth, static_cast<uchar>(0));
-  moving(cv::Rect(2, 2, 10, 4)) = 255;   // rho = 0.4
+  moving(cv::Rect(2, 2, 10, 5)) = 255;   // rho = 0.5
   moving(cv::Rect(20, 2, 10, 2)) = 255;  // rho = 0.2
   propagation.setMoving(moving);
   ASSERT_TRUE(propagation.addLabels(Stamp::fromSeconds(0.0), labels, labelSet()));

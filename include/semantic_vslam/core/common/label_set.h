@@ -40,4 +40,14 @@ struct LabelSet {
   }
 };
 
+/// The decision which objects are kept out of pose and map.
+struct RemovalConfig {
+  double phi = 0.4;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("phi", phi, 0.0, 1.0, "eq. (5): an object moves when more than this share of its mask moves");
+  }
+};
+
 }  // namespace semantic_vslam

@@ -112,14 +112,12 @@ struct MaskCleanupConfig {
 struct MaskPropagationConfig {
   double max_delay_s = 1.5;
   double time_constant_s = 2.0;
-  double phi = 0.3;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("max_delay_s", max_delay_s, 0.1, 10.0, "masks later than this are ignored; bounds the flows kept, s");
     v.field("time_constant_s", time_constant_s, 0.1, 60.0,
             "trust in a carried mask falls to 1/e in this time after its image, s");
-    v.field("phi", phi, 0.01, 1.0, "share of moving pixels above which a movable object is dynamic, eq. (5)");
   }
 };
 

@@ -21,7 +21,7 @@ class MotionStage {
  public:
   /// @param label_delay_s  labels count at least this long after their image: to measure what late ones cost
   /// @throws ConfigError
-  explicit MotionStage(const MotionConfig& config, double label_delay_s = 0.0);
+  MotionStage(const MotionConfig& config, const RemovalConfig& removal, double label_delay_s = 0.0);
   ~MotionStage();
   MotionStage(MotionStage&&) noexcept;
 
@@ -40,6 +40,7 @@ class MotionStage {
   void take(const TimedPose& pose);
   /// Takes other thresholds between two frames. @throws ConfigError if a value is out of range; the old ones then stay
   void take(const MotionConfig& config);
+  void take(const RemovalConfig& removal);
 
   std::size_t labelsTaken() const;
   std::size_t labelsTooLate() const;

@@ -9,16 +9,6 @@
 
 namespace semantic_vslam {
 
-/// The decision which objects are kept out of pose and map.
-struct RemovalConfig {
-  double phi = 0.4;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("phi", phi, 0.0, 1.0, "eq. (5): an object moves when more than this share of its mask moves");
-  }
-};
-
 /// What is removed from a frame: what moves, people, and all of a movable object of which a share above phi moves by
 /// flow and depth, eq. (5).
 /// @param motion  of the frame; its images may be empty: nothing is known to move

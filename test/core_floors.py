@@ -37,7 +37,7 @@ ALLOWED_THREADS = {
     "include/semantic_vslam/core/common/stage_timing.h": "stages on several threads enter their times",
     "src/core/common/stage_timing.cpp": "the same",
     "src/core/common/atomic_file.cpp": "names of temporary files differ between threads",
-    "include/semantic_vslam/core/common/abort_flag.h": "a solver looks at it between steps, another thread may set it",
+    "src/core/common/abort_flag.h": "a solver looks at it between steps, another thread may set it",
 }
 
 

@@ -11,7 +11,7 @@
 #include "semantic_vslam/core/dense/dense_result.h"
 #include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/io/frame_source.h"
-#include "semantic_vslam/core/pipeline/step_result.h"
+#include "semantic_vslam/core/pipeline/messages.h"
 
 namespace semantic_vslam {
 

@@ -167,6 +167,7 @@ void MappingNodelet::stop() {
   motion_.reset();  // which the runner asks
   diagnostics_.reset();
   publisher_.reset();
+  removed_publisher_.shutdown();
 }
 
 void MappingNodelet::report(StageDiagnostics::Status& status) {

@@ -233,6 +233,7 @@ void TrackingNodelet::stop() {
   motion_.reset();  // which the runner asks
   diagnostics_.reset();
   publisher_.reset();
+  labels_wanted_.shutdown();
 }
 
 }  // namespace semantic_vslam

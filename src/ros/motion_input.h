@@ -10,7 +10,7 @@
 #include <functional>
 #include <mutex>
 
-#include "semantic_vslam/core/common/stamped_store.h"
+#include "core/common/stamped_store.h"
 #include "semantic_vslam/core/motion/motion_result.h"
 
 namespace semantic_vslam {

@@ -8,10 +8,10 @@
 #include <memory>
 #include <optional>
 
+#include "core/pipeline/keyframe_inputs.h"
 #include "ros/log_throttle.h"
 #include "ros/rgbd_subscriber.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
-#include "semantic_vslam/core/pipeline/keyframe_inputs.h"
 
 namespace semantic_vslam {
 

@@ -13,10 +13,10 @@
 #include <optional>
 #include <vector>
 
+#include "core/pipeline/tracking_stage.h"
 #include "core/runtime/step_clock.h"
 #include "ros/tf_publisher.h"
 #include "semantic_vslam/core/io/trajectory.h"
-#include "semantic_vslam/core/pipeline/tracking_stage.h"
 
 namespace semantic_vslam {
 

@@ -4,7 +4,7 @@
 
 #include <ceres/iteration_callback.h>
 
-#include "semantic_vslam/core/common/abort_flag.h"
+#include "core/common/abort_flag.h"
 
 namespace semantic_vslam {
 

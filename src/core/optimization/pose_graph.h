@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/common/abort_flag.h"
 #include "core/map/map.h"
-#include "semantic_vslam/core/common/abort_flag.h"
 #include "semantic_vslam/core/geometry/se3.h"
 #include "semantic_vslam/core/optimization/optimization_config.h"
 

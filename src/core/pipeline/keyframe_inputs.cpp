@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/pipeline/keyframe_inputs.h"
+#include "core/pipeline/keyframe_inputs.h"
 
 #include <algorithm>
 #include <utility>

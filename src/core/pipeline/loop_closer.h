@@ -4,11 +4,11 @@
 
 #include <vector>
 
+#include "core/common/abort_flag.h"
 #include "core/loop/loop_detector.h"
 #include "core/pipeline/sparse_state.h"
-#include "semantic_vslam/core/common/abort_flag.h"
 #include "semantic_vslam/core/common/stamp.h"
-#include "semantic_vslam/core/pipeline/sparse_slam_config.h"
+#include "semantic_vslam/core/pipeline/config.h"
 
 namespace semantic_vslam {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/pipeline/motion_stage.h"
+#include "core/pipeline/motion_stage.h"
 
 #include <deque>
 #include <string>

@@ -1,12 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/pipeline/pipeline.h"
-#include "semantic_vslam/core/common/abort_flag.h"
 
+#include <optional>
 #include <utility>
 
+#include "core/common/abort_flag.h"
 #include "core/dense/dense_mapper.h"
+#include "core/pipeline/dense_stage.h"
+#include "core/pipeline/keyframe_inputs.h"
+#include "core/pipeline/label_stage.h"
+#include "core/pipeline/motion_stage.h"
 #include "core/pipeline/sparse_slam.h"
+#include "core/pipeline/tracking_stage.h"
 #include "semantic_vslam/core/common/config_fields.h"
 
 namespace semantic_vslam {
@@ -17,12 +23,36 @@ constexpr std::size_t kKeptFrames = 2;
 
 }  // namespace
 
-Pipeline::Pipeline(const SystemConfig& config) : Pipeline(config, LabelStage(config.segmentation)) {}
+/// Each rule between the stages stands in one of them; here they are only called, in the order of the paper's figure.
+class Pipeline::Stages {
+ public:
+  Stages(const SystemConfig& config, LabelStage labels);
 
-Pipeline::Pipeline(const SystemConfig& config, std::unique_ptr<Segmenter> segmenter)
-    : Pipeline(config, LabelStage(config.segmentation, std::move(segmenter))) {}
+  StepResult step(const RgbdFrame& frame);
+  void finish();
+  const SparseSlam& slam() const { return tracking_.slam(); }
+  const DenseMapper& dense() const { return dense_.map(); }
+  const StageTimes& times() const { return times_; }
 
-Pipeline::Pipeline(const SystemConfig& config, LabelStage labels)
+ private:
+  std::optional<MotionResult> findMotion(const RgbdFrame& frame);
+  std::optional<FrameLabels> label(const RgbdFrame& frame);
+  TrackingOutput track(TrackingInput input);
+  void maintain(TrackingOutput& output, const RgbdFrame& frame);
+  void map(const KeyframeNotice& keyframe, StepResult& result);
+  void passBack(const RgbdFrame& frame, const TrackingOutput& output);
+
+  const SystemConfig config_;
+  StageTimes times_;
+  MotionStage motion_;
+  LabelStage labels_;
+  TrackingStage tracking_;
+  KeyframeInputs inputs_;
+  DenseStage dense_;
+  std::shared_ptr<const MapSnapshot> passed_back_;
+};
+
+Pipeline::Stages::Stages(const SystemConfig& config, LabelStage labels)
     : config_(config),
       motion_(config.motion, config.removal, config.label_delay_s),
       labels_(std::move(labels)),
@@ -35,7 +65,7 @@ Pipeline::Pipeline(const SystemConfig& config, LabelStage labels)
   dense_.take(labels_.labels());
 }
 
-StepResult Pipeline::step(const RgbdFrame& frame) {
+StepResult Pipeline::Stages::step(const RgbdFrame& frame) {
   std::optional<MotionResult> motion = findMotion(frame);
   if (!motion) return {};
   TrackingInput input{frame, *motion, {}, labels_.enabled()};
@@ -48,13 +78,13 @@ StepResult Pipeline::step(const RgbdFrame& frame) {
 }
 
 /// What moves, by flow and depth and by the labels that have come.
-std::optional<MotionResult> Pipeline::findMotion(const RgbdFrame& frame) {
+std::optional<MotionResult> Pipeline::Stages::findMotion(const RgbdFrame& frame) {
   auto timer = times_.scope("motion", frame.index);
   return motion_.step(frame);
 }
 
 /// Labels of a frame, for the motion stage and the dense map too.
-std::optional<FrameLabels> Pipeline::label(const RgbdFrame& frame) {
+std::optional<FrameLabels> Pipeline::Stages::label(const RgbdFrame& frame) {
   auto timer = times_.scope("segmentation", frame.index);
   std::optional<FrameLabels> labels = labels_.step(frame);
   if (!labels) return std::nullopt;
@@ -63,7 +93,7 @@ std::optional<FrameLabels> Pipeline::label(const RgbdFrame& frame) {
   return labels;
 }
 
-TrackingOutput Pipeline::track(TrackingInput input) {
+TrackingOutput Pipeline::Stages::track(TrackingInput input) {
   const RgbdFrame& frame = input.frame;
   input.network_runs = labels_.enabled();  // unless it failed on k1
   inputs_.put(PendingFrame{frame.stamp, 0, [frame] { return frame; }});
@@ -79,7 +109,7 @@ TrackingOutput Pipeline::track(TrackingInput input) {
 }
 
 /// The map's upkeep, at once.
-void Pipeline::maintain(TrackingOutput& output, const RgbdFrame& frame) {
+void Pipeline::Stages::maintain(TrackingOutput& output, const RgbdFrame& frame) {
   const TrackingStage::Alone at_once = [](const std::function<void()>& use) { use(); };
   const AbortFlag never{false};
   for (const KeyframeNotice& keyframe : output.keyframes) {
@@ -90,7 +120,7 @@ void Pipeline::maintain(TrackingOutput& output, const RgbdFrame& frame) {
   output.map = tracking_.snapshot();
 }
 
-void Pipeline::map(const KeyframeNotice& keyframe, StepResult& result) {
+void Pipeline::Stages::map(const KeyframeNotice& keyframe, StepResult& result) {
   const KeyframeInputs::Named named = inputs_.name(keyframe);
   if (labels_.enabled() && named.frame && !inputs_.hasLabels(keyframe.stamp)) label(*named.frame->decode());
   if (!config_.dense.enabled) return;
@@ -102,7 +132,7 @@ void Pipeline::map(const KeyframeNotice& keyframe, StepResult& result) {
 }
 
 /// What the stages before tracking learn of the map.
-void Pipeline::passBack(const RgbdFrame& frame, const TrackingOutput& output) {
+void Pipeline::Stages::passBack(const RgbdFrame& frame, const TrackingOutput& output) {
   if (output.posed()) motion_.take(TimedPose{frame.stamp, output.tracking.T_camera_world.inverse()});
   if (output.map == passed_back_) return;
   passed_back_ = output.map;
@@ -110,13 +140,24 @@ void Pipeline::passBack(const RgbdFrame& frame, const TrackingOutput& output) {
   labels_.take(*output.map);
 }
 
-std::vector<TimedPose> Pipeline::trajectory() const { return slam().trajectory(); }
-std::vector<LabelledPoint> Pipeline::cloud() const { return dense().cloud(); }
-
-void Pipeline::finish() {
+void Pipeline::Stages::finish() {
   if (!config_.dense.enabled) return;
   dense_.take(*tracking_.snapshot());
   dense_.map().finish();
 }
+
+Pipeline::Pipeline(const SystemConfig& config)
+    : stages_(std::make_unique<Stages>(config, LabelStage(config.segmentation))) {}
+Pipeline::Pipeline(const SystemConfig& config, std::unique_ptr<Segmenter> segmenter)
+    : stages_(std::make_unique<Stages>(config, LabelStage(config.segmentation, std::move(segmenter)))) {}
+Pipeline::~Pipeline() = default;
+
+StepResult Pipeline::step(const RgbdFrame& frame) { return stages_->step(frame); }
+void Pipeline::finish() { stages_->finish(); }
+std::vector<TimedPose> Pipeline::trajectory() const { return slam().trajectory(); }
+std::vector<LabelledPoint> Pipeline::cloud() const { return dense().cloud(); }
+const StageTimes& Pipeline::times() const { return stages_->times(); }
+const SparseSlam& Pipeline::slam() const { return stages_->slam(); }
+const DenseMapper& Pipeline::dense() const { return stages_->dense(); }
 
 }  // namespace semantic_vslam

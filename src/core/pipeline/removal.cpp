@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/pipeline/removal.h"
+#include "core/pipeline/removal.h"
 
 #include <opencv2/imgproc.hpp>
 

@@ -8,15 +8,15 @@
 #include <string>
 #include <vector>
 
+#include "core/common/abort_flag.h"
 #include "core/loop/map_joiner.h"
 #include "core/pipeline/loop_closer.h"
 #include "core/pipeline/sparse_state.h"
-#include "semantic_vslam/core/common/abort_flag.h"
+#include "core/pipeline/tracking_stage.h"
 #include "semantic_vslam/core/common/stage_timing.h"
 #include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/map/keyframe_pose.h"
-#include "semantic_vslam/core/pipeline/sparse_slam_config.h"
-#include "semantic_vslam/core/pipeline/tracking_stage.h"
+#include "semantic_vslam/core/pipeline/config.h"
 
 namespace semantic_vslam {
 

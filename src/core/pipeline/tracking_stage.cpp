@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/pipeline/tracking_stage.h"
+#include "core/pipeline/tracking_stage.h"
 
 #include <string>
 #include <utility>

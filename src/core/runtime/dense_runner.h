@@ -8,11 +8,11 @@
 #include <memory>
 #include <mutex>
 
+#include "core/pipeline/dense_stage.h"
 #include "core/runtime/inbox.h"
 #include "core/runtime/monitor.h"
 #include "core/runtime/step_clock.h"
 #include "core/runtime/worker.h"
-#include "semantic_vslam/core/pipeline/dense_stage.h"
 
 namespace semantic_vslam {
 

@@ -8,13 +8,13 @@
 #include <mutex>
 #include <optional>
 
+#include "core/common/stamped_store.h"
+#include "core/pipeline/keyframe_inputs.h"
+#include "core/pipeline/label_stage.h"
 #include "core/runtime/inbox.h"
 #include "core/runtime/monitor.h"
 #include "core/runtime/step_clock.h"
 #include "core/runtime/worker.h"
-#include "semantic_vslam/core/common/stamped_store.h"
-#include "semantic_vslam/core/pipeline/keyframe_inputs.h"
-#include "semantic_vslam/core/pipeline/label_stage.h"
 
 namespace semantic_vslam {
 

@@ -6,11 +6,11 @@
 #include <cstddef>
 #include <functional>
 
+#include "core/pipeline/keyframe_inputs.h"
+#include "core/pipeline/motion_stage.h"
 #include "core/runtime/inbox.h"
 #include "core/runtime/step_clock.h"
 #include "core/runtime/worker.h"
-#include "semantic_vslam/core/pipeline/keyframe_inputs.h"
-#include "semantic_vslam/core/pipeline/motion_stage.h"
 
 namespace semantic_vslam {
 

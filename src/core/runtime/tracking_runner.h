@@ -9,14 +9,14 @@
 #include <memory>
 #include <mutex>
 
+#include "core/common/stamped_store.h"
+#include "core/pipeline/keyframe_inputs.h"
+#include "core/pipeline/tracking_stage.h"
 #include "core/runtime/inbox.h"
 #include "core/runtime/latest_task.h"
 #include "core/runtime/monitor.h"
 #include "core/runtime/step_clock.h"
 #include "core/runtime/worker.h"
-#include "semantic_vslam/core/common/stamped_store.h"
-#include "semantic_vslam/core/pipeline/keyframe_inputs.h"
-#include "semantic_vslam/core/pipeline/tracking_stage.h"
 
 namespace semantic_vslam {
 

@@ -2,15 +2,74 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "semantic_vslam/core/common/label_set.h"
 #include "semantic_vslam/core/dense/dense_config.h"
+#include "semantic_vslam/core/features/features_config.h"
+#include "semantic_vslam/core/loop/loop_config.h"
+#include "semantic_vslam/core/mapping/mapping_config.h"
 #include "semantic_vslam/core/motion/motion_config.h"
-#include "semantic_vslam/core/pipeline/keyframe_inputs.h"
-#include "semantic_vslam/core/pipeline/removal.h"
-#include "semantic_vslam/core/pipeline/sparse_slam_config.h"
-#include "semantic_vslam/core/pipeline/tracking_stage.h"
+#include "semantic_vslam/core/optimization/optimization_config.h"
 #include "semantic_vslam/core/segmentation/segmentation_config.h"
+#include "semantic_vslam/core/tracking/tracking_config.h"
 
 namespace semantic_vslam {
+
+/// The configs of tracking, map upkeep, relocalisation and loop closing together.
+struct SparseSlamConfig {
+  TrackerConfig tracking;
+  MapMaintenanceConfig sparse_map;
+  TriangulationConfig triangulation;
+  BaConfig bundle_adjustment;
+  PlaceIndexConfig places;
+  RelocalisationConfig relocalisation;
+  bool close_loops = true;
+  LoopDetectorConfig loop_detection;
+  LoopCorrectorConfig loop_correction;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.group("sensor", tracking.frame.sensor);
+    v.group("tracking", tracking);
+    v.group("sparse_map", sparse_map);
+    v.group("triangulation", triangulation);
+    v.group("bundle_adjustment", bundle_adjustment);
+    v.group("places", places);
+    v.group("relocalisation", relocalisation);
+    v.flag("close_loops", close_loops,
+           "false: places seen again are not looked for; drift stays, and new maps are not joined with old ones");
+    v.group("loop_detection", loop_detection);
+    v.group("loop_correction", loop_correction);
+  }
+};
+
+/// How long a frame waits for what other stages make of it.
+struct TrackingWaits {
+  int mask_budget_ms = 60;
+  double init_wait_s = 10.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("mask_budget_ms", mask_budget_ms, 0, 1000,
+            "ms a frame waits for its motion mask before it is tracked without; two frames at 30 Hz");
+    v.field("init_wait_s", init_wait_s, 0.0, 60.0,
+            "s the start waits for the first labels, so that no person enters the first map; 0: motion alone must do. "
+            "Where "
+            "no network is configured it does not wait");
+  }
+};
+
+/// How long a keyframe waits for what belongs to it.
+struct KeyframeInputsConfig {
+  double labels_wait_s = 3.0;
+  double mask_wait_s = 0.5;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v.field("labels_wait_s", labels_wait_s, 0.0, 30.0,
+            "s a keyframe waits for its labels while a network runs; without them it stays out of the map");
+    v.field("mask_wait_s", mask_wait_s, 0.0, 30.0, "s a keyframe waits for its motion mask");
+  }
+};
 
 /// The stages' configs together: the keys of a configuration file and of `--set`.
 struct SystemConfig {

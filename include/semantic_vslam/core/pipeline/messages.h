@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <memory>
 #include <opencv2/core.hpp>
@@ -10,7 +11,10 @@
 
 #include "semantic_vslam/core/common/ids.h"
 #include "semantic_vslam/core/common/stamp.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/map/keyframe_pose.h"
+#include "semantic_vslam/core/motion/motion_result.h"
+#include "semantic_vslam/core/tracking/tracking_state.h"
 
 namespace semantic_vslam {
 
@@ -38,6 +42,33 @@ struct MapSnapshot {
   std::size_t landmarks = 0, loops = 0;
 
   std::size_t keyframes() const { return poses.size() + unplaced.size(); }
+};
+
+/// What became of a frame.
+struct TrackingOutput {
+  TrackingEstimate tracking;
+  cv::Mat1b removed;  ///< what tracking left out: height x width, 0..255; empty = nothing
+  bool is_keyframe = false;
+  bool new_world = false;                 ///< what was mapped before is dropped: poses are relative to another map now
+  std::vector<KeyframeNotice> keyframes;  ///< made in this step: k1 with the first map, and this frame
+  std::shared_ptr<const MapSnapshot> map;
+  std::vector<TimedPose> path;          ///< of all frames whose place in the world is known, as wished
+  std::vector<Eigen::Vector3d> points;  ///< landmarks whose place in the world is known, metres, as wished
+
+  bool posed() const { return tracking.state == TrackingState::kOk; }
+};
+
+/// What the whole way made of one frame.
+struct StepResult : TrackingOutput {
+  MotionResult motion;
+  /// A keyframe that was mapped in this step, and what was removed from it.
+  struct Mapped {
+    Stamp stamp;
+    cv::Mat1b removed;
+  };
+  std::vector<Mapped> mapped;  ///< by Pipeline only: elsewhere it comes later
+
+  SE3 T_world_camera() const { return tracking.T_camera_world.inverse(); }  ///< a prediction while RECENTLY_LOST
 };
 
 }  // namespace semantic_vslam

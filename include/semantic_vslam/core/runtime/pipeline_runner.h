@@ -7,12 +7,13 @@
 #include <memory>
 
 #include "semantic_vslam/core/pipeline/config.h"
-#include "semantic_vslam/core/pipeline/step_result.h"
+#include "semantic_vslam/core/pipeline/messages.h"
 #include "semantic_vslam/core/segmentation/segmenter.h"
 
 namespace semantic_vslam {
 
 class DenseMapper;
+class SparseSlam;
 
 /// The four stages wired on threads, with the queues and waiting times of the nodelets: takes frames as a camera sends
 /// them. Who falls behind loses the oldest frames that wait, never the pace.

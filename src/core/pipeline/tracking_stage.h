@@ -12,14 +12,14 @@
 #include <string>
 #include <vector>
 
+#include "core/common/abort_flag.h"
+#include "core/pipeline/removal.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
-#include "semantic_vslam/core/common/abort_flag.h"
 #include "semantic_vslam/core/common/stage_timing.h"
 #include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/motion/motion_result.h"
+#include "semantic_vslam/core/pipeline/config.h"
 #include "semantic_vslam/core/pipeline/messages.h"
-#include "semantic_vslam/core/pipeline/removal.h"
-#include "semantic_vslam/core/pipeline/sparse_slam_config.h"
 #include "semantic_vslam/core/tracking/tracking_state.h"
 
 namespace semantic_vslam {
@@ -27,22 +27,6 @@ namespace semantic_vslam {
 class SparseSlam;
 struct SavedMap;
 struct TrackedFrame;
-
-/// How long a frame waits for what other stages make of it.
-struct TrackingWaits {
-  int mask_budget_ms = 60;
-  double init_wait_s = 10.0;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("mask_budget_ms", mask_budget_ms, 0, 1000,
-            "ms a frame waits for its motion mask before it is tracked without; two frames at 30 Hz");
-    v.field("init_wait_s", init_wait_s, 0.0, 60.0,
-            "s the start waits for the first labels, so that no person enters the first map; 0: motion alone must do. "
-            "Where "
-            "no network is configured it does not wait");
-  }
-};
 
 /// A frame and what is known of it when its turn comes.
 struct TrackingInput {
@@ -62,20 +46,6 @@ struct TrackOptions {
 struct TrackingWishes {
   std::size_t path = 0;  ///< poses of the path at most
   bool points = false;   ///< the landmarks, when there are new keyframes
-};
-
-/// What became of a frame.
-struct TrackingOutput {
-  TrackingEstimate tracking;
-  cv::Mat1b removed;  ///< what tracking left out: height x width, 0..255; empty = nothing
-  bool is_keyframe = false;
-  bool new_world = false;                 ///< what was mapped before is dropped: poses are relative to another map now
-  std::vector<KeyframeNotice> keyframes;  ///< made in this step: k1 with the first map, and this frame
-  std::shared_ptr<const MapSnapshot> map;
-  std::vector<TimedPose> path;          ///< of all frames whose place in the world is known, as wished
-  std::vector<Eigen::Vector3d> points;  ///< landmarks whose place in the world is known, metres, as wished
-
-  bool posed() const { return tracking.state == TrackingState::kOk; }
 };
 
 /// Stage 2: the frame's pose, the keyframes, and the sparse map behind them, which it alone owns.

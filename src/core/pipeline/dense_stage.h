@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <memory>
 
+#include "core/pipeline/keyframe_inputs.h"
+#include "core/pipeline/removal.h"
 #include "semantic_vslam/core/dense/dense_config.h"
-#include "semantic_vslam/core/pipeline/keyframe_inputs.h"
 #include "semantic_vslam/core/pipeline/messages.h"
-#include "semantic_vslam/core/pipeline/removal.h"
 
 namespace semantic_vslam {
 

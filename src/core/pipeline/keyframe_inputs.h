@@ -7,8 +7,8 @@
 #include <functional>
 #include <optional>
 
+#include "core/common/stamped_store.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
-#include "semantic_vslam/core/common/stamped_store.h"
 #include "semantic_vslam/core/motion/motion_result.h"
 #include "semantic_vslam/core/pipeline/messages.h"
 
@@ -33,18 +33,6 @@ struct KeyframeInput {
   RgbdFrame frame;
   MotionResult motion;
   cv::Mat1b labels;  ///< empty: no network runs
-};
-
-struct KeyframeInputsConfig {
-  double labels_wait_s = 3.0;
-  double mask_wait_s = 0.5;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("labels_wait_s", labels_wait_s, 0.0, 30.0,
-            "s a keyframe waits for its labels while a network runs; without them it stays out of the map");
-    v.field("mask_wait_s", mask_wait_s, 0.0, 30.0, "s a keyframe waits for its motion mask");
-  }
 };
 
 /// Brings together by stamp what belongs to a keyframe: images, motion mask and labels, which come at different times.

@@ -14,10 +14,10 @@ constexpr float kHoleStayed = 0.5F;
 }  // namespace
 
 DepthVote voteByDepth(const PlacedFrame& current, const DepthReference& reference, const WorkGrid& grid,
-                      const RigidFlowConfig& config) {
+                      const RigidFlowConfig& config, cv::Range rows_in_turn) {
   DepthVote vote{cv::Mat1f(grid.size(), 0.0F), cv::Mat1f(grid.size(), 0.0F)};
   PlaceLookup lookup(current, reference.place, grid, config);
-  for (int y = 0; y < grid.size().height; ++y) {
+  for (int y = rows_in_turn.start; y < grid.size().height; y += rows_in_turn.end) {
     float *entered = vote.entered[y], *stayed = vote.stayed[y];
     lookup.row(y, [&](int x, const PlaceLookup::Sighting& seen) {
       if (seen.same()) {

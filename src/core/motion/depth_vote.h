@@ -25,7 +25,8 @@ struct DepthVote {
   cv::Mat1f stayed;   ///< 0 .. 1: how clearly it was there then, and static
 };
 
+/// @param rows_in_turn  the first row to look at, and the step to the next; nothing is said of the others
 DepthVote voteByDepth(const PlacedFrame& current, const DepthReference& reference, const WorkGrid& grid,
-                      const RigidFlowConfig& config);
+                      const RigidFlowConfig& config, cv::Range rows_in_turn = {0, 1});
 
 }  // namespace semantic_vslam

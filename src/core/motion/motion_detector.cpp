@@ -21,6 +21,10 @@ constexpr double kLongestGapS = 0.5;
 constexpr int kReferences = 4;
 // Trust left in a cell that surely moves: if everything seems to move, the least moving still counts.
 constexpr float kLeastTrust = 0.01F;
+// Three keyframes that saw a surface at rest, whatever labels said of it, make it known.
+constexpr float kKnownStep = 0.3F, kSurelyKnown = 0.85F;
+// What is left of a label there: it still weighs in the pose, a little less than what nobody calls a person.
+constexpr float kGivesWay = 0.4F;
 
 MotionConfig validated(const MotionConfig& config) {
   validateConfig(config);
@@ -113,6 +117,7 @@ void MotionDetector::forgetFrames() {
   previous_ = {};
   references_.clear();
   turn_ = 0;
+  first_row_ = 0;
   velocity_ = T_odometry_camera_ = SE3::Identity();
   velocity_dt_s_ = 0.0;
 }
@@ -141,7 +146,7 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
     propagation_.addFrame(frame.stamp, grid_->size(), {});
     if (config_.model == "rigid_flow") {
       propagation_.setPlace(placed(previous_));
-      room_.addFrame(placed(previous_), previous_.depth_low_m, dynamic_probability_, {});
+      room_.addFrame(placed(previous_), previous_.depth_low_m, cv::Mat1b::zeros(grid_->size()), {});
     }
     MotionResult first;
     first.dynamic = cv::Mat1b::zeros(full_size);
@@ -152,7 +157,8 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
   const cv::Mat2f flow_cells = dense_flow_.compute(previous_.cell_gray, current.cell_gray);
   const cv::Mat2f source = traceBack(flow_cells, previous_.depth_m, current.surface_m, dt_s);
   propagation_.addFrame(frame.stamp, grid_->size(), source);
-  const cv::Mat1f semantic = propagation_.dynamicNow();
+  cv::Mat1f semantic = propagation_.dynamicNow();
+  giveWay(source, semantic);
   const cv::Mat1f static_weight = staticWeight(source, semantic);
 
   Estimate estimate;
@@ -169,7 +175,7 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
   if (config_.model == "rigid_flow") {
     propagation_.setPlace(placed(current));
     keepReference(current);
-    room_.addFrame(placed(current), current.depth_low_m, dynamic_probability_, surface.semantic);
+    room_.addFrame(placed(current), current.depth_low_m, result.moving, surface.semantic);
   }
   previous_ = current;
   return result;
@@ -223,11 +229,13 @@ MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& cur
   memory_.carry(source, dt_s, residual, gain);
   DepthVote vote;
   if (!references_.empty()) {
-    // One reference a frame, in turn: the evidence gathers over frames, and each look costs a millisecond.
+    // One reference a frame, in turn, and every second row of it: the evidence gathers over frames and along surfaces.
     turn_ = (turn_ + 1) % references_.size();
-    vote = voteByDepth(placed(current), references_[turn_], *grid_, config_.rigid);
+    first_row_ = 1 - first_row_;
+    vote = voteByDepth(placed(current), references_[turn_], *grid_, config_.rigid, {first_row_, 2});
   }
-  const DepthVote room = room_.look(placed(current), *grid_, config_.rigid).value_or(DepthVote{});
+  const RoomVote room = room_.look(placed(current), *grid_, config_.rigid).value_or(RoomVote{});
+  learnKnown(room);
   memory_.add(current, residual, gain, vote, room);
   estimate.model = MotionModel::kRigidFlow;
   estimate.camera = camera;
@@ -235,6 +243,34 @@ MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& cur
   estimate.residual_px = residual.amplitude_px;
   estimate.log_odds = memory_.logOdds();
   return estimate;
+}
+
+void MotionDetector::giveWay(const cv::Mat2f& source, cv::Mat1f& semantic) {
+  if (semantic.empty()) {
+    known_.release();
+    return;
+  }
+  known_ = known_.empty() ? cv::Mat1f(grid_->size(), 0.0F) : carryAlong(known_, source, 0.0F);
+  for (int y = 0; y < semantic.rows; ++y) {
+    const float* known = known_[y];
+    float* mask = semantic[y];
+    for (int x = 0; x < semantic.cols; ++x) {
+      if (known[x] > kSurelyKnown && mask[x] > kGivesWay) mask[x] = kGivesWay;
+    }
+  }
+}
+
+void MotionDetector::learnKnown(const RoomVote& vote) {
+  if (known_.empty()) return;
+  const cv::Mat1f& moves = memory_.logOdds();
+  for (int y = 0; y < known_.rows; ++y) {
+    const float *says = vote.known.empty() ? nullptr : vote.known[y], *odds = moves[y];
+    float* known = known_[y];
+    for (int x = 0; x < known_.cols; ++x) {
+      const float learnt = says != nullptr ? kKnownStep * says[x] : 0.0F;
+      known[x] = odds[x] > 0.0F ? 0.0F : std::clamp(known[x] + learnt, 0.0F, 1.0F);
+    }
+  }
 }
 
 PlacedFrame MotionDetector::placed(const GridFrame& current) const {

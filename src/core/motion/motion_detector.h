@@ -66,6 +66,10 @@ class MotionDetector {
   Estimate explainByHomography(const GridFrame& current, const cv::Mat2f& flow_cells, const cv::Mat1f& static_weight);
   Estimate explainByRigidFlow(const GridFrame& current, const cv::Mat2f& flow_cells, const cv::Mat2f& source,
                               const cv::Mat1f& static_weight);
+  /// Labels are evidence: where keyframes have known a surface at rest for seconds they give way.
+  /// @param semantic  of MaskPropagation::dynamicNow()
+  void giveWay(const cv::Mat2f& source, cv::Mat1f& semantic);
+  void learnKnown(const RoomVote& vote);
   PlacedFrame placed(const GridFrame& current) const;
   void keepReference(const GridFrame& current);
   MotionResult compose(const GridFrame& current, const Estimate& estimate, const cv::Mat2f& flow_cells,
@@ -80,12 +84,14 @@ class MotionDetector {
   std::unique_ptr<WorkGrid> grid_;
   std::shared_ptr<const CameraModel> camera_;
   GridFrame previous_;
+  cv::Mat1f known_;                 // 0 .. 1: long known at rest, grid size; empty while there are no labels
   cv::Mat1f dynamic_probability_;   // of the previous frame, grid size
   SE3 velocity_ = SE3::Identity();  // T_previous_current of the last frame
   double velocity_dt_s_ = 0.0;
   SE3 T_odometry_camera_ = SE3::Identity();  // of the last frame; chained motions, drifts
   std::deque<DepthReference> references_;    // oldest first
   std::size_t turn_ = 0;                     // of the references
+  int first_row_ = 0;                        // that the next one is compared in
 };
 
 }  // namespace semantic_vslam

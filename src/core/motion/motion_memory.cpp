@@ -17,10 +17,10 @@ constexpr float kLowest = -2.5F, kHighest = 3.0F;
 // Evidence of one frame. Neighbouring frames share their errors, so it is far below what independent noise would allow.
 constexpr float kFlowMoves = 0.9F;   // full residual, brightness agrees
 constexpr float kFlowStays = -0.3F;  // textured and where the rigid flow says: weak, people pause
-constexpr float kEntered = 1.2F;     // in space that was free
-constexpr float kStayed = -0.25F;    // where it was in an earlier depth image
-// The same by keyframes. Each cell is compared in every second frame only.
-constexpr float kEnteredRoom = 2.0F, kStayedRoom = -0.5F;
+constexpr float kEntered = 2.4F;     // in space that was free; each cell is compared in every second frame
+constexpr float kStayed = -0.5F;     // where it was in an earlier depth image
+// The same by keyframes. Each cell is compared in every third frame only.
+constexpr float kEnteredRoom = 3.0F, kStayedRoom = -0.75F;
 // Residuals: from kSilent sigmas on the flow speaks for motion, at kFull fully.
 constexpr float kStaysSigmas = 2.0F, kSilentSigmas = 3.0F, kFullSigmas = 7.0F;
 // From here on a cell was surely seen to move. Then neither time nor a flow that agrees with the room clears it: people

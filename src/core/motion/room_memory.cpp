@@ -15,7 +15,9 @@ constexpr double kWaitS = 2.0;
 // Error of a tracked frame's pose against the keyframes, metres; the rest of the margin is min_depth_margin_m.
 constexpr double kPoseErrorM = 0.02;
 // References compared with each frame, besides the one that told most of the frame before.
-constexpr std::size_t kLooks = 2;
+constexpr std::size_t kLooks = 1;
+// Each frame compares every third row, in turn: evidence is shared over six cells along surfaces, and gathers.
+constexpr int kRowStep = 3;
 // A reference is of use if it saw this many of the frame's sample points.
 constexpr int kSamples = 4, kLeastSeen = 4;  // kSamples x kSamples of them
 // A reference repeats another if it differs by less than about one of these.
@@ -23,16 +25,21 @@ constexpr double kNearM = 0.3, kNearRad = 0.35, kNearS = 60.0;
 // Share of motion.room.settle_s after which it is looked again for what has settled.
 constexpr double kSettleShare = 0.1;
 
-enum CellState : uchar { kStill = 0, kUnsettled = 1, kPerson = 2 };
+// A surface is known once a keyframe of this long ago saw it too: people sway, and lean, by more than the margin within
+// seconds; desks, walls and what is wrongly taken for people do not.
+constexpr double kKnownS = 3.0;
 
-cv::Mat1b cellStates(const cv::Mat1f& dynamic, const cv::Mat1f& semantic) {
-  cv::Mat1b state(dynamic.size());
+enum CellState : uchar { kMoving = 1, kPerson = 2 };
+
+cv::Mat1b cellStates(const cv::Mat1b& moving, const cv::Mat1f& semantic) {
+  cv::Mat1b state(moving.size());
   for (int y = 0; y < state.rows; ++y) {
-    const float *moves = dynamic[y], *person = semantic.empty() ? nullptr : semantic[y];
+    const uchar* moves = moving[y];
+    const float* person = semantic.empty() ? nullptr : semantic[y];
     uchar* out = state[y];
     for (int x = 0; x < state.cols; ++x) {
       const bool labelled = person != nullptr && person[x] > 0.5F;  // false for NaN
-      out[x] = labelled ? kPerson : moves[x] > 0.5F ? kUnsettled : kStill;
+      out[x] = static_cast<uchar>((labelled ? kPerson : 0) | (moves[x] >= 128 ? kMoving : 0));
     }
   }
   return state;
@@ -70,10 +77,10 @@ void RoomMemory::breakOdometry() {
   T_world_odometry_.reset();
 }
 
-void RoomMemory::addFrame(const PlacedFrame& place, const cv::Mat1f& depth_low_m, const cv::Mat1f& dynamic,
+void RoomMemory::addFrame(const PlacedFrame& place, const cv::Mat1f& depth_low_m, const cv::Mat1b& moving,
                           const cv::Mat1f& semantic) {
   if (config_.max_references == 0) return;
-  recent_.push_back({place, depth_low_m, cellStates(dynamic, semantic)});
+  recent_.push_back({place, depth_low_m, cellStates(moving, semantic)});
   while (secondsBetween(recent_.front().place.stamp, place.stamp) > kWaitS) recent_.pop_front();
 }
 
@@ -176,7 +183,7 @@ std::vector<std::size_t> RoomMemory::overlapping(const PlacedFrame& now_in_map, 
   return found;
 }
 
-std::optional<DepthVote> RoomMemory::look(const PlacedFrame& now, const WorkGrid& grid, const RigidFlowConfig& rigid) {
+std::optional<RoomVote> RoomMemory::look(const PlacedFrame& now, const WorkGrid& grid, const RigidFlowConfig& rigid) {
   settle(grid, rigid);
   if (!T_world_odometry_ || references_.empty()) return std::nullopt;
   PlacedFrame here = now;
@@ -192,28 +199,32 @@ std::optional<DepthVote> RoomMemory::look(const PlacedFrame& now, const WorkGrid
     if (useful[turn_] != chosen.front()) chosen.push_back(useful[turn_]);
   }
   // Each reference has one voice: where they differ, one of them stands askew, or knows what has settled since.
-  cv::Mat1f balance(grid.size(), 0.0F);
-  first_row_ = 1 - first_row_;
+  cv::Mat1f balance(grid.size(), 0.0F), known(grid.size(), 0.0F);
+  first_row_ = (first_row_ + 1) % kRowStep;
   for (const std::size_t index : chosen) {
     View& reference = references_[index];
     PlaceLookup lookup(here, reference.place, grid, rigid, kPoseErrorM);
+    const bool long_ago = secondsBetween(reference.place.stamp, now.stamp) >= kKnownS;
     std::size_t count = 0;
-    for (int y = first_row_; y < grid.size().height; y += 2) {
-      float* sum = balance[y];
+    for (int y = first_row_; y < grid.size().height; y += kRowStep) {
+      float *sum = balance[y], *knows = known[y];
       lookup.row(y, [&](int x, const PlaceLookup::Sighting& seen) {
         if (seen.same()) {
-          if (reference.state(seen.cell) == kStill) sum[x] -= 1.0F;
+          const uchar state = reference.state(seen.cell);
+          if (state == 0) sum[x] -= 1.0F;
+          if (long_ago && (state & kMoving) == 0) knows[x] += 1.0F;
           return;
         }
         const float evidence = entered(seen, reference.depth_low_m);
         if (evidence <= 0.0F) return;
         ++count;
         sum[x] += evidence;
+        knows[x] -= 1.0F;
       });
     }
     reference.entered = count;
   }
-  DepthVote vote{cv::max(balance, 0.0F), cv::max(-balance, 0.0F)};
+  RoomVote vote{{cv::max(balance, 0.0F), cv::max(-balance, 0.0F)}, known};
   vote.entered = cv::min(vote.entered, 1.0F);
   vote.stayed = cv::min(vote.stayed, 1.0F);
   return vote;
@@ -227,7 +238,7 @@ void RoomMemory::startSettling() {
   last_settled_ = newest.place.stamp;
   settling_ = Settling{references_.size() - 1, references_.size() - 2, cv::Mat1f(newest.state.size(), kNan),
                        cv::Mat1b(newest.state.size(), static_cast<uchar>(1)), false};
-  settling_->since_s.setTo(0.0F, newest.state == static_cast<uchar>(kUnsettled));
+  settling_->since_s.setTo(0.0F, newest.state == static_cast<uchar>(kMoving));
 }
 
 void RoomMemory::settle(const WorkGrid& grid, const RigidFlowConfig& rigid) {
@@ -248,7 +259,7 @@ void RoomMemory::settle(const WorkGrid& grid, const RigidFlowConfig& rigid) {
         older.place.depth_m(about).setTo(0.0F);
         return;
       }
-      if (free || (seen.same() && older.state(seen.cell) == kPerson)) open[x] = 0;
+      if (free || (seen.same() && (older.state(seen.cell) & kPerson) != 0)) open[x] = 0;
       if (open[x] != 0 && seen.same()) since[x] = age_s;
     });
   }
@@ -273,7 +284,7 @@ void RoomMemory::finishSearch() {
     settling_.reset();
     return;
   }
-  references_[job.subject].state.setTo(static_cast<uchar>(kStill), job.since_s >= wanted_s);
+  references_[job.subject].state.setTo(static_cast<uchar>(0), job.since_s >= wanted_s);
   job.next = job.subject - 1;
   job.forgetting = true;
 }

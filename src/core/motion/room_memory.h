@@ -15,6 +15,12 @@
 
 namespace semantic_vslam {
 
+/// What keyframes say of a frame. `stayed` counts where nothing moved and no label said a person; `known` is 1 where a
+/// keyframe of some seconds ago saw the same surface at rest, whatever labels said, and -1 where one saw none there.
+struct RoomVote : DepthVote {
+  cv::Mat1f known;
+};
+
 /// The map's memory of free space: the depth images of keyframes, at the poses that tracking gives them.
 ///
 /// What stands where a keyframe saw free space or a farther surface came later, however long ago that keyframe is and
@@ -33,9 +39,9 @@ class RoomMemory {
   /// The chain of motions between frames is broken: until the next pose arrives it is not known where frames stand.
   void breakOdometry();
 
-  /// @param place  of the newest frame, by odometry  @param dynamic  probability 0 .. 1, grid size
+  /// @param place  of the newest frame, by odometry  @param moving  MotionResult's, without labels
   /// @param semantic  of MaskPropagation::dynamicNow(); may be empty
-  void addFrame(const PlacedFrame& place, const cv::Mat1f& depth_low_m, const cv::Mat1f& dynamic,
+  void addFrame(const PlacedFrame& place, const cv::Mat1f& depth_low_m, const cv::Mat1b& moving,
                 const cv::Mat1f& semantic);
   /// Where tracking found a frame: ties the odometry to the map. One that is not kept any more is ignored.
   void takeFramePose(const TimedPose& pose);
@@ -46,9 +52,9 @@ class RoomMemory {
 
   /// Compares a frame with some of the references that saw its place, others each time.
   /// @param now  by odometry
-  /// @return nothing if it is not known where the frame stands, or no reference saw the place; every second row, in
-  ///         turn, of `entered` and `stayed` is 0
-  std::optional<DepthVote> look(const PlacedFrame& now, const WorkGrid& grid, const RigidFlowConfig& rigid);
+  /// @return nothing if it is not known where the frame stands, or no reference saw the place; only every third
+  ///         row, in turn, is looked at, the others are 0
+  std::optional<RoomVote> look(const PlacedFrame& now, const WorkGrid& grid, const RigidFlowConfig& rigid);
 
   std::size_t references() const { return references_.size(); }
   std::size_t bytes() const;
@@ -58,7 +64,7 @@ class RoomMemory {
   struct View {
     PlacedFrame place;
     cv::Mat1f depth_low_m;
-    cv::Mat1b state;          // of CellState
+    cv::Mat1b state;          // bits of CellState
     std::size_t entered = 0;  // cells of the last frame that saw it which stand in space it saw free
   };
   /// What has come to rest is looked for in the newest reference, by one older reference a frame, newest first; then

@@ -169,6 +169,81 @@ TEST(MotionDetectorTest, WhoStandsStillStaysOutAsLongAsLabelsComeTwiceASecond) {
   }
 }
 
+/// A wall that stands still, twelve frames a second, every sixth one a keyframe at its place in the map.
+class MotionDetectorInMap : public testing::Test {
+ protected:
+  RgbdFrame frameAt(int index, bool visited) const {
+    RgbdFrame frame = texturedFrame(0, 2.0F, 0);
+    frame.index = static_cast<std::uint64_t>(index);
+    frame.stamp = Stamp::fromSeconds(1.0 + index / 12.0);
+    if (!visited) return frame;
+    texturedFrame(0, 2.0F, 37).gray(visitor).copyTo(frame.gray(visitor));
+    frame.depth_m(visitor).setTo(1.0F);
+    return frame;
+  }
+  MotionResult see(const RgbdFrame& frame) {
+    const MotionResult result = detector.detect(frame);
+    if (frame.index % 6 == 0) keyframes.push_back({frame.stamp, SE3::Identity()});
+    if (frame.index % 6 == 0) detector.takeKeyframePoses(keyframes);
+    detector.takeFramePose({frame.stamp, SE3::Identity()});
+    return result;
+  }
+
+  const cv::Rect visitor{110, 50, 80, 150};
+  const cv::Point on_visitor{150, 120}, on_wall{40, 120};
+  MotionDetector detector{MotionConfig()};
+  std::vector<TimedPose> keyframes;
+};
+
+TEST_F(MotionDetectorInMap, WhoComesAndStopsForManySecondsStaysOut) {
+  int index = 0;
+  for (; index < 36; ++index) EXPECT_LT(see(frameAt(index, false)).dynamic(on_visitor), 128) << index;
+  for (; index < 36 + 12 * 12; ++index) {
+    const MotionResult result = see(frameAt(index, true));
+    if (index >= 40) {
+      EXPECT_GE(result.dynamic(on_visitor), 128) << index;
+    }
+    if (index >= 40) {
+      EXPECT_LT(result.dynamic(on_wall), 128) << index;
+    }
+  }
+  for (int gone = 0; gone < 12; ++gone, ++index) see(frameAt(index, false));
+  EXPECT_LT(see(frameAt(index, false)).dynamic(on_visitor), 128) << "the wall behind is known";
+}
+
+TEST_F(MotionDetectorInMap, ALabelOnALongKnownSurfaceGivesWay) {
+  LabelSet labels;
+  labels.classes.push_back({"person", Mobility::kPerson, {}});
+  cv::Mat1b left_half = cv::Mat1b::zeros(240, 320);
+  left_half(cv::Rect(0, 0, 160, 240)) = 1;
+  for (int index = 0; index < 72; ++index) {
+    const RgbdFrame frame = frameAt(index, false);
+    const MotionResult result = see(frame);
+    if (index % 6 == 0) detector.addLabels(frame.stamp, left_half, labels);
+    if (index == 12) {
+      EXPECT_GE(result.dynamic(on_wall), 128) << "a second of rest does not contradict a person";
+    }
+    if (index > 66) {
+      EXPECT_LT(result.dynamic(on_wall), 128) << index;
+    }
+  }
+}
+
+TEST_F(MotionDetectorInMap, ALabelOnWhoCameHolds) {
+  LabelSet labels;
+  labels.classes.push_back({"person", Mobility::kPerson, {}});
+  cv::Mat1b person = cv::Mat1b::zeros(240, 320);
+  person(visitor) = 1;
+  for (int index = 0; index < 120; ++index) {
+    const RgbdFrame frame = frameAt(index, index >= 36);
+    const MotionResult result = see(frame);
+    if (index >= 36 && index % 6 == 0) detector.addLabels(frame.stamp, person, labels);
+    if (index >= 44) {
+      EXPECT_GE(result.dynamic(on_visitor), 128) << index;
+    }
+  }
+}
+
 TEST(MotionDetectorTest, StampThatGoesBackStartsAnew) {
   MotionDetector detector{MotionConfig()};
   detector.detect(texturedFrame(5, 2.0F, 0));

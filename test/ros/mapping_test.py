@@ -79,9 +79,15 @@ class MappingTest(unittest.TestCase):
         """Names the newest frame as a keyframe."""
         self.keyframes.publish(keyframe(number, self.stamp, placed))
 
+    def place(self, *keyframes):
+        poses = KeyframePoseArray(map_id=1, keyframes=keyframes)
+        poses.header.frame_id = "map"
+        self.poses.publish(poses)
+
     def test_a_keyframe_of_a_new_map_enters_when_that_is_joined(self):
         def first_is_there():
             self.name(1, placed=True)  # again and again: the node may not have had the calibration in time
+            self.place(keyframe(1, self.stamp, placed=True))
             return self.distances() == {WALL_M}
 
         classes = LabelInfo(classes=[LabelDescription(name=name) for name in ("background", "chair")])
@@ -95,10 +101,7 @@ class MappingTest(unittest.TestCase):
         time.sleep(2.5)  # more frames than the node keeps
         camera.shutdown()
         self.assertEqual(self.distances(), {WALL_M})
-        poses = KeyframePoseArray(map_id=1, keyframes=[keyframe(1, self.stamp, placed=True),
-                                                       keyframe(2, self.stamp, placed=True, z_m=3.0)])
-        poses.header.frame_id = "map"
-        self.poses.publish(poses)
+        self.place(keyframe(1, self.stamp, placed=True), keyframe(2, self.stamp, placed=True, z_m=3.0))
         wait_until(lambda: self.distances() == {WALL_M, WALL_M + 3.0}, "the second one where it was placed")
         self.labels.publish(classes)
         time.sleep(1.0)  # ten publications

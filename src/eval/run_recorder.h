@@ -15,6 +15,8 @@
 
 namespace semantic_vslam {
 
+class SparseSlam;
+
 /// Takes in what a run over a recording gives, frame by frame, and leaves the results in a folder.
 class RunRecorder {
  public:

@@ -10,6 +10,7 @@
 #include "core/common/stamped_store.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/motion/motion_result.h"
+#include "semantic_vslam/core/pipeline/config.h"
 #include "semantic_vslam/core/pipeline/messages.h"
 
 namespace semantic_vslam {

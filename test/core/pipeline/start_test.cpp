@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/pipeline/tracking_stage.h"
 #include "core/support/walking_frames.h"
 #include "eval/mask_score.h"
 #include "semantic_vslam/core/pipeline/pipeline.h"

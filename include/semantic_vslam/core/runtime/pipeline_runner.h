@@ -6,6 +6,8 @@
 #include <functional>
 #include <memory>
 
+#include "semantic_vslam/core/camera/rgbd_frame.h"
+#include "semantic_vslam/core/common/stage_timing.h"
 #include "semantic_vslam/core/pipeline/config.h"
 #include "semantic_vslam/core/pipeline/messages.h"
 #include "semantic_vslam/core/segmentation/segmenter.h"

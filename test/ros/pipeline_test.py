@@ -12,7 +12,6 @@ import unittest
 import cv2
 import numpy
 import rosbag
-import rospkg
 import rospy
 from programs import program
 from semantic_vslam.msg import KeyframeStamped, TrackingReport
@@ -21,7 +20,7 @@ from slam_test import DEPTH_TOPIC, IMAGE_TOPIC, Recording, rendered_bag, wait_fo
 from std_srvs.srv import Trigger
 
 INFO_TOPIC = "/camera/rgb/camera_info"
-FRAMES = 60
+FRAMES = 60  # of the rendered recording; ~bag, ~frames and ~model (of slam.launch, too) name others
 REST_S = 0.15  # for what no message tells the end of: the map's upkeep, labels on their way
 
 
@@ -37,11 +36,12 @@ class PipelineTest(unittest.TestCase):
         cls.publishers = {topic: rospy.Publisher(topic, kind, queue_size=10)
                           for topic, kind in ((IMAGE_TOPIC, Image), (DEPTH_TOPIC, Image), (INFO_TOPIC, CameraInfo))}
         wait_for_stages("tracking", "motion", "segmentation", "mapping")
-        cls.give_frames(rendered_bag())
+        cls.bag = rospy.get_param("~bag", "") or rendered_bag()
+        cls.frames = rospy.get_param("~frames", FRAMES)
+        cls.give_frames(cls.bag)
         cls.out = tempfile.mkdtemp(dir=".")
-        model = os.path.join(rospkg.RosPack().get_path("semantic_vslam"), "test/data/models/tiny_labels.onnx")
-        subprocess.check_call([program("run_offline"), rendered_bag(), "--out", cls.out, "--masks", "--frames",
-                               str(FRAMES), "--set", "segmentation.model=" + model])
+        subprocess.check_call([program("run_offline"), cls.bag, "--out", cls.out, "--masks", "--frames", str(cls.frames),
+                               "--set", "segmentation.model=" + rospy.get_param("~model")])
 
     @staticmethod
     def keep(message, by_stamp):
@@ -58,7 +58,7 @@ class PipelineTest(unittest.TestCase):
                 given[topic] += 1
                 if topic != INFO_TOPIC and given[IMAGE_TOPIC] == given[DEPTH_TOPIC]:
                     cls.wait_for(message.header.stamp.to_nsec())
-                if min(given[IMAGE_TOPIC], given[DEPTH_TOPIC]) == FRAMES:
+                if min(given[IMAGE_TOPIC], given[DEPTH_TOPIC]) == cls.frames:
                     return
 
     @classmethod
@@ -78,7 +78,7 @@ class PipelineTest(unittest.TestCase):
         return removed
 
     def test_every_frame_is_tracked(self):
-        self.assertEqual(len(self.states), FRAMES)
+        self.assertEqual(len(self.states), self.frames)
         self.assertTrue(all(state.has_mask for state in self.states.values()))
 
     def test_every_keyframe_loses_the_same_pixels(self):
@@ -97,7 +97,7 @@ class PipelineTest(unittest.TestCase):
 
     def error_m(self, trajectory):
         truth = os.path.join(self.out, "truth.txt")
-        with rosbag.Bag(rendered_bag()) as bag, open(truth, "w", encoding="utf-8") as file:
+        with rosbag.Bag(self.bag) as bag, open(truth, "w", encoding="utf-8") as file:
             for _, message, _ in bag.read_messages("/groundtruth/pose"):
                 p, q = message.pose.position, message.pose.orientation
                 stamp = message.header.stamp

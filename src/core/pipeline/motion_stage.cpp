@@ -36,8 +36,18 @@ struct MotionStage::Inside {
     waiting = std::move(early);
   }
 
+  /// Tells the detector where frames stand: keyframes first, whichever came first.
+  void passPosesOn() {
+    if (keyframe_poses) detector.takeKeyframePoses(*keyframe_poses);
+    if (frame_pose) detector.takeFramePose(*frame_pose);
+    keyframe_poses.reset();
+    frame_pose.reset();
+  }
+
   const double delay_s;
   MotionDetector detector;
+  std::optional<std::vector<TimedPose>> keyframe_poses;  ///< newest, not passed on yet
+  std::optional<TimedPose> frame_pose;                   ///< likewise
   StampOrder order;
   Stamp last_stamp;
   std::deque<FrameLabels> waiting;
@@ -61,6 +71,7 @@ std::optional<MotionResult> MotionStage::step(const RgbdFrame& frame, std::uint3
     inside_->detector.reset();
   }
   inside_->passLabelsOn(frame.stamp);
+  inside_->passPosesOn();
   inside_->last_stamp = frame.stamp;
   return inside_->detector.detect(frame);
 }
@@ -76,10 +87,10 @@ void MotionStage::take(const MapSnapshot& map) {
   std::vector<TimedPose> poses;
   poses.reserve(map.poses.size());
   for (const KeyframePose& keyframe : map.poses) poses.push_back({keyframe.stamp, keyframe.T_world_camera});
-  inside_->detector.takeKeyframePoses(poses);
+  inside_->keyframe_poses = std::move(poses);
 }
 
-void MotionStage::take(const TimedPose& pose) { inside_->detector.takeFramePose(pose); }
+void MotionStage::take(const TimedPose& pose) { inside_->frame_pose = pose; }
 
 void MotionStage::take(const MotionConfig& config) { inside_->detector.setConfig(config); }
 

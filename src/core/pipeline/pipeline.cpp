@@ -133,11 +133,12 @@ void Pipeline::Stages::map(const KeyframeNotice& keyframe, StepResult& result) {
 
 /// What the stages before tracking learn of the map.
 void Pipeline::Stages::passBack(const RgbdFrame& frame, const TrackingOutput& output) {
+  if (output.map != passed_back_) {
+    passed_back_ = output.map;
+    motion_.take(*output.map);
+    labels_.take(*output.map);
+  }
   if (output.posed()) motion_.take(TimedPose{frame.stamp, output.tracking.T_camera_world.inverse()});
-  if (output.map == passed_back_) return;
-  passed_back_ = output.map;
-  motion_.take(*output.map);
-  labels_.take(*output.map);
 }
 
 void Pipeline::Stages::finish() {

@@ -147,6 +147,7 @@ void TrackingNodelet::subscribe(ros::NodeHandle nh, ros::NodeHandle private_nh) 
 }
 
 std::optional<RgbdFrame> TrackingNodelet::decode(const RgbdMessages& messages) {
+  if (paused_) return std::nullopt;
   std::optional<RgbdFrame> frame = converter_->pending(messages, header_).decode();
   if (!frame) return std::nullopt;
   body_ = publisher_->lookUp(header_);
@@ -157,6 +158,7 @@ void TrackingNodelet::onTracked(const TrackingInput& input, const TrackingOutput
   state_ = output.tracking.state;
   inliers_ = output.tracking.inliers;
   ++(state_ == TrackingState::kOk || state_ == TrackingState::kRecentlyLost ? posed_ : lost_);
+  if (!labels_seen_) nobody_labels_ = true;  // it has waited once; label_info takes it back
   publisher_->publish(header_, *body_, input, output, time);
   diagnostics_->record(input.frame.stamp, time);
 }

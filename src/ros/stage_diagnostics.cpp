@@ -86,6 +86,7 @@ void StageDiagnostics::fill(Status& status) {
   const QueueCounters queue = sources_.queue();
   status.add("queue high water", queue.high_water);
   addFault(status, "dropped", queue.dropped);
+  addFault(status, "steps that failed", queue.failed);
 
   const std::string missing = sources_.missing();
   if (!missing.empty()) status.mergeSummary(DiagnosticStatus::ERROR, missing);

@@ -14,22 +14,26 @@ import numpy
 import rosbag
 import rospy
 from programs import program
-from semantic_vslam.msg import KeyframeStamped, TrackingReport
+from semantic_vslam.msg import KeyframePoseArray, KeyframeStamped, TrackingReport
 from sensor_msgs.msg import CameraInfo, Image
 from slam_test import DEPTH_TOPIC, IMAGE_TOPIC, Recording, rendered_bag, wait_for_stages, wait_until
 from std_srvs.srv import Trigger
 
 INFO_TOPIC = "/camera/rgb/camera_info"
-FRAMES = 60  # of the rendered recording; ~bag, ~frames and ~model (of slam.launch, too) name others
-REST_S = 0.15  # for what no message tells the end of: the map's upkeep, labels on their way
+FRAMES = 60  # of the rendered recording; ~bag, ~frames, ~truth and ~model (of slam.launch, too) name others
+PAIRING_S = 0.3
+REST_S = 0.15  # for what no message tells the end of: labels on their way
 
 
 class PipelineTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("pipeline_test")
-        cls.states, cls.keyframes, cls.removed = {}, {}, {}
+        cls.states, cls.keyframes, cls.removed, cls.last_stamp = {}, {}, {}, None
+        cls.adjusted = set()  # ids of keyframes
         cls.subscribers = [
+            rospy.Subscriber("tracking/keyframe_poses", KeyframePoseArray,
+                             lambda message: cls.adjusted.update(keyframe.id for keyframe in message.keyframes)),
             rospy.Subscriber("tracking/state", TrackingReport, cls.keep, callback_args=cls.states, queue_size=500),
             rospy.Subscriber("tracking/keyframe", KeyframeStamped, cls.keep, callback_args=cls.keyframes, queue_size=500),
             rospy.Subscriber("mapping/removed", Image, cls.keep, callback_args=cls.removed, queue_size=500)]
@@ -53,19 +57,28 @@ class PipelineTest(unittest.TestCase):
         given = {IMAGE_TOPIC: 0, DEPTH_TOPIC: 0, INFO_TOPIC: 0}
         with rosbag.Bag(path) as bag:
             for topic, message, _ in bag.read_messages(list(given)):
-                # Colour and depth are stamped alike here; the one that comes second makes the pair.
                 cls.publishers[topic].publish(message)
                 given[topic] += 1
+                if topic == IMAGE_TOPIC:
+                    colour = message.header.stamp.to_nsec()
                 if topic != INFO_TOPIC and given[IMAGE_TOPIC] == given[DEPTH_TOPIC]:
-                    cls.wait_for(message.header.stamp.to_nsec())
+                    cls.wait_for(colour)
                 if min(given[IMAGE_TOPIC], given[DEPTH_TOPIC]) == cls.frames:
                     return
 
     @classmethod
     def wait_for(cls, stamp):
-        wait_until(lambda: stamp in cls.states, 10, f"tracking of frame {stamp}")
+        # Where colour and depth are not stamped alike, a pair is known to be one when the next image has come.
+        deadline = time.monotonic() + PAIRING_S
+        while stamp not in cls.states and time.monotonic() < deadline:
+            time.sleep(0.01)
+        if cls.last_stamp is not None:
+            wait_until(lambda: cls.last_stamp in cls.states, 10, f"tracking of frame {cls.last_stamp}")
+        cls.last_stamp = stamp
         time.sleep(REST_S)
         wait_until(lambda: cls.keyframes.keys() <= cls.removed.keys(), 10, "mapping of the keyframes")
+        wait_until(lambda: {keyframe.id for keyframe in cls.keyframes.values()} <= cls.adjusted, 10,
+                   "the map's upkeep, after which the keyframes' poses are published")
 
     def offline_removed(self):
         """@return stamp in ns -> what run_offline left out of a keyframe's map"""
@@ -78,7 +91,7 @@ class PipelineTest(unittest.TestCase):
         return removed
 
     def test_every_frame_is_tracked(self):
-        self.assertEqual(len(self.states), self.frames)
+        self.assertGreaterEqual(len(self.states), self.frames - 1)
         self.assertTrue(all(state.has_mask for state in self.states.values()))
 
     def test_every_keyframe_loses_the_same_pixels(self):
@@ -96,14 +109,18 @@ class PipelineTest(unittest.TestCase):
         self.assertLess(abs(errors[0] - errors[1]), 0.05 * errors[1] + 1e-6, errors)
 
     def error_m(self, trajectory):
+        truth = rospy.get_param("~truth", "") or self.truth()
+        return json.loads(subprocess.check_output([program("evaluate_trajectory"), truth, trajectory,
+                                                   "--json"]))["ate_m"]["rmse"]
+
+    def truth(self):
         truth = os.path.join(self.out, "truth.txt")
         with rosbag.Bag(self.bag) as bag, open(truth, "w", encoding="utf-8") as file:
             for _, message, _ in bag.read_messages("/groundtruth/pose"):
                 p, q = message.pose.position, message.pose.orientation
                 stamp = message.header.stamp
                 file.write(f"{stamp.secs}.{stamp.nsecs:09d} {p.x} {p.y} {p.z} {q.x} {q.y} {q.z} {q.w}\n")
-        return json.loads(subprocess.check_output([program("evaluate_trajectory"), truth, trajectory,
-                                                   "--json"]))["ate_m"]["rmse"]
+        return truth
 
 
 if __name__ == "__main__":

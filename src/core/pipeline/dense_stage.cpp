@@ -25,8 +25,8 @@ struct DenseStage::Inside {
     map_id = id;
     poses.clear();
     waiting.clear();
+    changes += mapper->rebuilds() + 1;  // the new mapper counts from 0
     mapper.emplace(config, label_set);
-    ++changes;
   }
   void place() {
     const std::size_t before = waiting.size();

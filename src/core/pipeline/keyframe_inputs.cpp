@@ -42,7 +42,7 @@ double KeyframeInputs::worthWaitingS(const Named& named, const Running& running,
   return wait_s;
 }
 
-std::optional<KeyframeInput> KeyframeInputs::gather(const Named& named, const Running& running) {
+std::optional<KeyframeInputs::Gathered> KeyframeInputs::gather(const Named& named, const Running& running) {
   const Stamp stamp = named.keyframe.stamp;
   const auto frame = named.frame ? named.frame : frames_.find(stamp);
   const auto motion = named.motion ? named.motion : motion_.find(stamp);
@@ -57,9 +57,13 @@ std::optional<KeyframeInput> KeyframeInputs::gather(const Named& named, const Ru
     return std::nullopt;
   }
   if (running.motion && !motion && !labels) return std::nullopt;
-  const std::optional<RgbdFrame> decoded = frame->decode();
-  if (!decoded) return std::nullopt;
-  return KeyframeInput{named.keyframe, *decoded, motion.value_or(MotionResult()), labels.value_or(cv::Mat1b())};
+  return Gathered{named.keyframe, *frame, motion.value_or(MotionResult()), labels.value_or(cv::Mat1b())};
+}
+
+std::optional<KeyframeInput> decode(const KeyframeInputs::Gathered& gathered) {
+  const std::optional<RgbdFrame> frame = gathered.frame.decode();
+  if (!frame) return std::nullopt;
+  return KeyframeInput{gathered.keyframe, *frame, gathered.motion, gathered.labels};
 }
 
 }  // namespace semantic_vslam

@@ -57,9 +57,17 @@ class KeyframeInputs {
   Named name(const KeyframeNotice& keyframe) const;
   /// @return seconds that it pays to wait for what is missing; 0: gather() now
   double worthWaitingS(const Named& named, const Running& running, double waited_s) const;
+  /// All that belongs to a keyframe, its images not decoded yet: that takes long, and somebody may wait for this
+  /// object.
+  struct Gathered {
+    KeyframeNotice keyframe;
+    PendingFrame frame;
+    MotionResult motion;
+    cv::Mat1b labels;
+  };
   /// @return nothing if there are no images, or nobody can say where people are in them, or a network runs but passed
   ///         this keyframe over (people who stand would be in it): counted
-  std::optional<KeyframeInput> gather(const Named& named, const Running& running);
+  std::optional<Gathered> gather(const Named& named, const Running& running);
   std::optional<PendingFrame> frame(Stamp stamp) const { return frames_.find(stamp); }
   bool hasLabels(Stamp stamp) const { return labels_.has(stamp); }
 
@@ -75,5 +83,8 @@ class KeyframeInputs {
   StampedStore<cv::Mat1b> labels_;
   Counts counts_;
 };
+
+/// @return nothing if the images are unusable
+std::optional<KeyframeInput> decode(const KeyframeInputs::Gathered& gathered);
 
 }  // namespace semantic_vslam

@@ -37,6 +37,6 @@ std::optional<FrameLabels> LabelStage::step(const RgbdFrame& frame) {
   return FrameLabels{frame.stamp, labels};
 }
 
-void LabelStage::take(const MapSnapshot& map) { inside_->map_exists = map.keyframes() > 0; }
+void LabelStage::setMapExists(bool exists) { inside_->map_exists = exists; }
 
 }  // namespace semantic_vslam

@@ -33,8 +33,7 @@ class LabelStage {
   bool isDue(Stamp stamp) const;
   /// @return nothing without a network, when it fails, or if the frame has its labels already
   std::optional<FrameLabels> step(const RgbdFrame& frame);
-  /// Whether there is a map.
-  void take(const MapSnapshot& map);
+  void setMapExists(bool exists);
 
  private:
   struct Inside;

@@ -3,7 +3,6 @@
 #include "core/pipeline/motion_stage.h"
 
 #include <deque>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -62,11 +61,9 @@ MotionStage::MotionStage(MotionStage&&) noexcept = default;
 
 std::optional<MotionResult> MotionStage::step(const RgbdFrame& frame, std::uint32_t recording) {
   const StampOrder::Arrival arrival = inside_->order.of(frame.stamp, recording);
-  if (arrival == StampOrder::Arrival::kLate) {
-    logWarning("frame " + std::to_string(frame.index) + " is not newer than the one before it: passed over");
-    return std::nullopt;
-  }
+  if (arrival == StampOrder::Arrival::kLate) return std::nullopt;  // tracking counts and says it
   if (arrival != StampOrder::Arrival::kNext) {
+    logWarning("stamps went back: motion starts anew");
     inside_->waiting.clear();  // of the stamps before
     inside_->detector.reset();
   }

@@ -3,6 +3,7 @@
 #include "semantic_vslam/core/pipeline/pipeline.h"
 
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "core/common/abort_flag.h"
@@ -14,6 +15,7 @@
 #include "core/pipeline/sparse_slam.h"
 #include "core/pipeline/tracking_stage.h"
 #include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/log.h"
 
 namespace semantic_vslam {
 namespace {
@@ -50,6 +52,7 @@ class Pipeline::Stages {
   KeyframeInputs inputs_;
   DenseStage dense_;
   std::shared_ptr<const MapSnapshot> passed_back_;
+  std::optional<Stamp> last_stamp_;
 };
 
 Pipeline::Stages::Stages(const SystemConfig& config, LabelStage labels)
@@ -66,6 +69,11 @@ Pipeline::Stages::Stages(const SystemConfig& config, LabelStage labels)
 }
 
 StepResult Pipeline::Stages::step(const RgbdFrame& frame) {
+  if (last_stamp_ && frame.stamp <= *last_stamp_) {
+    logWarning("frame " + std::to_string(frame.index) + " is not newer than the one before it: passed over");
+    return {};
+  }
+  last_stamp_ = frame.stamp;
   std::optional<MotionResult> motion = findMotion(frame);
   if (!motion) return {};
   TrackingInput input{frame, *motion, {}, labels_.enabled()};
@@ -124,7 +132,8 @@ void Pipeline::Stages::map(const KeyframeNotice& keyframe, StepResult& result) {
   const KeyframeInputs::Named named = inputs_.name(keyframe);
   if (labels_.enabled() && named.frame && !inputs_.hasLabels(keyframe.stamp)) label(*named.frame->decode());
   if (!config_.dense.enabled) return;
-  const std::optional<KeyframeInput> input = inputs_.gather(named, {true, labels_.enabled()});
+  const auto gathered = inputs_.gather(named, {true, labels_.enabled()});
+  const std::optional<KeyframeInput> input = gathered ? decode(*gathered) : std::nullopt;
   if (!input) return;
   auto timer = times_.scope("dense_mapping", input->frame.index);
   result.mapped.push_back({keyframe.stamp, dense_.add(*input)});
@@ -136,7 +145,7 @@ void Pipeline::Stages::passBack(const RgbdFrame& frame, const TrackingOutput& ou
   if (output.map != passed_back_) {
     passed_back_ = output.map;
     motion_.take(*output.map);
-    labels_.take(*output.map);
+    labels_.setMapExists(output.map->keyframes() > 0);
   }
   if (output.posed()) motion_.take(TimedPose{frame.stamp, output.tracking.T_camera_world.inverse()});
 }

@@ -32,10 +32,11 @@ struct TrackingStage::Inside {
     has_candidate = false;
     first_wanted.reset();
   }
-  /// Whether somebody has told where people are in a frame.
-  static bool hasLabels(const TrackingInput& input) {
+  /// Whether somebody has told where people are in a frame; labels say nothing without the list of classes.
+  bool hasLabels(const TrackingInput& input) const {
     const std::optional<Stamp>& carried = input.motion.labels;
-    return input.labels || (carried && secondsBetween(*carried, input.frame.stamp) < kFirstLabelsHoldS);
+    return (input.labels && label_set.size() > 1) ||
+           (carried && secondsBetween(*carried, input.frame.stamp) < kFirstLabelsHoldS);
   }
   /// Whether nobody has, though the start needs it.
   bool lacksLabels(const TrackingInput& input) const {
@@ -81,7 +82,12 @@ bool TrackingStage::accepts(Stamp stamp, std::uint32_t recording, bool localizat
 }
 
 bool TrackingStage::wantsLabels(const TrackingInput& input) {
-  if (inside_->has_candidate || !inside_->lacksLabels(input)) return false;
+  if (inside_->has_candidate) return false;
+  if (!inside_->lacksLabels(input)) {
+    const bool in_vain = input.network_runs && !hasMap() && inside_->first_wanted && !inside_->hasLabels(input);
+    if (in_vain) logWarning("no labels within init_wait_s: starting without, people who stand still may be mapped");
+    return false;
+  }
   if (!inside_->first_wanted) inside_->first_wanted = input.frame.stamp;
   return true;
 }
@@ -96,12 +102,12 @@ TrackingStage::Prepared TrackingStage::prepare(const TrackingInput& input) const
 
 TrackingOutput TrackingStage::track(const TrackingInput& input, const Prepared& prepared, const TrackOptions& options,
                                     const TrackingWishes& wishes) {
-  const bool may_be_k1 = !inside_->lacksLabels(input), had_candidate = inside_->has_candidate;
+  const bool may_be_k1 = !inside_->lacksLabels(input);
   const SparseStep step = inside_->slam.track(*prepared.frame, options);
   if (step.new_world) ++inside_->map_id;
   inside_->has_candidate = step.tracking.state == TrackingState::kInitialising;
-  if (Inside::hasLabels(input) || !inside_->has_candidate) inside_->first_wanted.reset();
-  if (inside_->has_candidate && had_candidate && !may_be_k1) {
+  if (inside_->hasLabels(input) || !inside_->has_candidate) inside_->first_wanted.reset();
+  if (inside_->has_candidate && !may_be_k1) {
     inside_->slam.reset();  // k2 did not fit and may show people: it must not become k1 in its turn
     inside_->has_candidate = false;
   }

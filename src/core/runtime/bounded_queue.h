@@ -19,6 +19,7 @@ struct QueueCounters {
   std::size_t pushed = 0;
   std::size_t dropped = 0;
   std::size_t high_water = 0;
+  std::size_t failed = 0;  ///< whose work threw, where a Worker takes them
 };
 
 /// Bounded queue between two threads, with a named policy and counters for the diagnostics.

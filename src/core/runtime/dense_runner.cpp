@@ -6,6 +6,9 @@
 #include <future>
 #include <utility>
 
+#include "core/dense/dense_mapper.h"
+#include "semantic_vslam/core/common/error.h"
+
 namespace semantic_vslam {
 
 DenseRunner::DenseRunner(DenseStage stage, const KeyframeInputsConfig& config, std::size_t kept_frames, Hooks hooks)
@@ -55,7 +58,8 @@ void DenseRunner::run(const std::function<void(DenseStage&)>& task) {
       done.set_exception(std::current_exception());
     }
   });
-  if (taken) done.get_future().get();
+  if (!taken) throw Error("the dense map is closed: the stage ends");
+  done.get_future().get();
 }
 
 /// Who calls must not block: what is new lies where the next task finds it.
@@ -79,8 +83,10 @@ void DenseRunner::integrate(const KeyframeInputs::Named& named) {
   inputs_.waitWhile([&](const KeyframeInputs& inputs, double waited_s) {
     return inputs.worthWaitingS(named, hooks_.running(), waited_s);
   });
+  inbox_.deliver(stage_);  // the classes of the labels that it waited for
   const StepClock clock;
-  const auto input = inputs_.with([&](KeyframeInputs& inputs) { return inputs.gather(named, hooks_.running()); });
+  const auto gathered = inputs_.with([&](KeyframeInputs& inputs) { return inputs.gather(named, hooks_.running()); });
+  const std::optional<KeyframeInput> input = gathered ? decode(*gathered) : std::nullopt;
   if (!input) return;
   const cv::Mat1b removed = stage_.add(*input);
   if (hooks_.added) hooks_.added(*input, removed, clock.elapsed());
@@ -90,6 +96,7 @@ void DenseRunner::finish() {
   close();
   worker_.push([] {});  // for the newest map
   worker_.finish();
+  stage_.map().finish();
 }
 
 KeyframeInputs::Counts DenseRunner::counts() const {

@@ -35,7 +35,9 @@ void LabelRunner::ask(Stamp stamp) {
 }
 
 void LabelRunner::take(const MapSnapshot& map) {
-  inbox_.put([map](LabelStage& stage) { stage.take(map); });
+  if (!enabled_) return;  // nobody would deliver it
+  const bool exists = map.keyframes() > 0;
+  inbox_.put([exists](LabelStage& stage) { stage.setMapExists(exists); });
 }
 
 void LabelRunner::step(const Job& job) {

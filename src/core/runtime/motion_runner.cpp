@@ -11,9 +11,9 @@ MotionRunner::MotionRunner(MotionStage stage, std::size_t queue_size, Sink sink)
 
 void MotionRunner::step(const PendingFrame& pending) {
   const StepClock clock;
+  inbox_.deliver(stage_);
   const std::optional<RgbdFrame> frame = pending.decode();
   if (!frame) return;
-  inbox_.deliver(stage_);
   const std::optional<MotionResult> motion = stage_.step(*frame, pending.recording);
   labels_taken_ = stage_.labelsTaken();
   labels_too_late_ = stage_.labelsTooLate();

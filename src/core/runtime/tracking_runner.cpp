@@ -4,13 +4,16 @@
 
 #include <utility>
 
+#include "semantic_vslam/core/common/log.h"
+
 namespace semantic_vslam {
 namespace {
 
 // Keyframes come every few frames at most; upkeep that is further behind than this makes tracking wait for it.
 constexpr std::size_t kKeyframeQueue = 8;
-// For the labels of one frame; the network needs a tenth of it. Who has not got the request will get the next one.
-constexpr double kFirstLabelsWaitS = 1.0;
+// For the labels of one frame; the network needs a tenth of it, on a slow and busy machine all. A request may get lost
+// while a node is still connecting: then the next frame asks again.
+constexpr double kFirstLabelsWaitS = 3.0;
 
 }  // namespace
 
@@ -60,6 +63,10 @@ void TrackingRunner::step(const PendingFrame& pending) {
     ++out_of_order_;
     return;
   }
+  if (upkeepIsDone()) {  // a recording that is played again has dropped the map: said before the next one begins
+    std::lock_guard<std::mutex> lock(step_mutex_);
+    tellChanges();
+  }
   std::optional<RgbdFrame> frame = pending.decode();
   if (!frame) return;
   TrackingInput input{std::move(*frame), {}, {}, false};
@@ -72,6 +79,7 @@ void TrackingRunner::step(const PendingFrame& pending) {
     hooks_.tracked(input, output, clock.elapsed());
     // Where upkeep is due it will tell: the poses are not worth passing on before their adjustment.
     if (output.keyframes.empty() && upkeepIsDone()) tellChanges();
+    pending_upkeep_.with([&](int& pending) { pending += static_cast<int>(output.keyframes.size()); });
   }
   requestUpkeep(output, input.frame.index);  // may wait for upkeep, which tells its changes between two frames
 }
@@ -87,6 +95,9 @@ bool TrackingRunner::gatherMotion(TrackingInput& input) {
   const bool fits = motion && motion->dynamic.size() == input.frame.gray.size();
   if (fits) {
     input.motion = *motion;
+  } else if (motion) {
+    ++without_mask_;
+    if (without_mask_ == 1) logWarning("the motion mask has another size than the image: tracked without");
   } else if (passed_over && worker_.waiting() > 0) {
     ++skipped_with_motion_;  // both stages are behind: track the frames that the motion stage had time for
     return false;
@@ -119,6 +130,7 @@ bool TrackingRunner::gatherLabels(TrackingInput& input) {
 
 TrackingOutput TrackingRunner::track(const TrackingInput& input) {
   auto timer = times_.scope("tracking", input.frame.index);
+  alone([&] { inbox_.deliver(stage_); });  // the classes of the labels that it waited for
   const TrackingStage::Prepared prepared = stage_.prepare(input);
   const TrackingWishes wishes = hooks_.wishes ? hooks_.wishes() : TrackingWishes();
   const TrackOptions options{localization_only_, upkeepIsDone()};
@@ -129,7 +141,6 @@ TrackingOutput TrackingRunner::track(const TrackingInput& input) {
 
 void TrackingRunner::requestUpkeep(const TrackingOutput& output, std::uint64_t frame) {
   for (const KeyframeNotice& keyframe : output.keyframes) {
-    pending_upkeep_.with([](int& pending) { ++pending; });
     if (upkeep_.waiting() > 0) abort_adjustment_ = true;  // upkeep falls behind: a newer bundle takes over
     upkeep_.push({keyframe.id, frame});
   }

@@ -59,7 +59,11 @@ class Worker {
     const QueueCounters counters = queue_.counters();
     return counters.pushed - counters.dropped == done_;
   }
-  QueueCounters counters() const { return queue_.counters(); }
+  QueueCounters counters() const {
+    QueueCounters counters = queue_.counters();
+    counters.failed = failed_;
+    return counters;
+  }
 
  private:
   void run(WorkerPriority priority) {
@@ -68,7 +72,11 @@ class Worker {
       try {
         handler_(std::move(*item));
       } catch (const std::exception& error) {
-        logError(std::string("a frame or keyframe is lost: ") + error.what());
+        // Said for the 1st, 2nd, 4th, 8th, ... of them: what fails once may fail thirty times a second.
+        const std::size_t failed = ++failed_;
+        if ((failed & (failed - 1)) == 0) {
+          logError("a frame or keyframe is lost, the " + std::to_string(failed) + ". so far: " + error.what());
+        }
       }
       {
         std::lock_guard<std::mutex> lock(mutex_);
@@ -82,7 +90,7 @@ class Worker {
   const Handler handler_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::atomic<std::size_t> done_{0};
+  std::atomic<std::size_t> done_{0}, failed_{0};
   std::thread thread_;
 };
 

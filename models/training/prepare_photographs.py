@@ -6,7 +6,7 @@
 usage: prepare_photographs.py CLONES OUT --segmenter deeplabv3_mnv2_pascal_quant.onnx --detector yolox_nano.onnx [--sets voc ...]
 
 CLONES holds a bare or plain clone of each, as OWNER+NAME or OWNER+NAME/repo (README.md lists them; those of --sets are needed). OUT
-gets a folder for each set: voc, coco, clothes, rooms, furniture. What a set's own labels leave open is unknown (255) where one of the
+gets a folder for each set: voc, coco, clothes, rooms, furniture; and voc_people, so that they can be drawn more often. What a set's own labels leave open is unknown (255) where one of the
 two ready networks suspects one of our classes, and background elsewhere; images held back keep their true labels where they have some.
 Needs the Python packages onnxruntime, Pillow for voc, and SciPy for clothes.
 """
@@ -36,6 +36,7 @@ FURNITURE = 'maher-mohsen+Furniture-Segmentation', 'HEAD'
 VOC_CLASSES = {5: 'bottle', 9: 'chair', 11: 'table', 15: 'person', 20: 'monitor'}  # all others are background
 NO_BODY = (2, 33, 56)       # of the clothes' labels: bag, purse, wallet
 FURNITURE_CLASSES = (None, 'chair', None, None, 'chair', 'table')  # bed, chair, plant, sofa, swivel chair, table
+OUTLINED = 0.6              # shared by two boxes, of what either covers
 FURNITURE_STEP = 3          # takes every third image: more would outnumber all the rest
 COCO_TABLE, COCO_CHAIR = 60, 56  # the detector's numbers
 COCO_JUDGED = {'000000000139', '000000000802', '000000005001', '000000010764', '000000011813'}  # other tests judge by these
@@ -75,6 +76,7 @@ class Clone:
 
     def close(self):
         self.reader.stdin.close()
+        self.reader.stdout.close()
         self.reader.wait()
 
 
@@ -120,6 +122,16 @@ def two_opinions(label, segmented, boxes, people=True):
     seen = (segmented > 0) & ((segmented != PERSON) | people)
     boxes = [box for box in boxes if box[0] in OURS and (box[0] != COCO_PERSON or (people and box[1] > SURE))]
     return np.where((label == IGNORE) & ~seen & ~covered(boxes, label.shape), 0, label).astype(np.uint8)
+
+
+def is_outlined(box, labelled):
+    """@return whether a box of the detector is about that of what is labelled: it tells nothing more then"""
+    rows, columns = np.flatnonzero(labelled.any(axis=1)), np.flatnonzero(labelled.any(axis=0))
+    if not rows.size:
+        return False
+    first, last = np.array((columns[0], rows[0])), np.array((columns[-1], rows[-1])) + 1
+    shared = np.prod(np.maximum(0, np.minimum(last, box[3]) - np.maximum(first, box[2])))
+    return shared > OUTLINED * (np.prod(last - first) + np.prod(box[3] - box[2]) - shared)
 
 
 def agreed(segmented, boxes):
@@ -241,7 +253,8 @@ def furniture(clones, segmenter, detector):
             name = FURNITURE_CLASSES[int(row[0])]
             polygon = (np.float32(row[1:]).reshape(-1, 2) * size).round().astype(np.int32)
             cv2.fillPoly(label, [polygon], NAMES.index(name) if name else 0)
-        yield stem, image, two_opinions(label, segmenter(image), detector(image))
+        boxes = [box for box in detector(image) if not is_outlined(box, label != IGNORE)]
+        yield stem, image, two_opinions(label, segmenter(image), boxes)
     clone.close()
 
 
@@ -253,17 +266,19 @@ def smaller(image, interpolation=cv2.INTER_AREA):
     return image if scale >= 1 else cv2.resize(image, None, fx=scale, fy=scale, interpolation=interpolation)
 
 
-def write(folder, samples):
-    """@param samples  (stem, BGR image, label image), of one size each  @return count"""
+def write(folder, samples, apart=False):
+    """@param samples  (stem, BGR image, label image), of one size each  @param apart  people go to a folder of their own
+    @return count"""
     counts = np.zeros(len(NAMES), int)
     count = nobody = 0
-    for name in ('images', 'labels'):
-        os.makedirs(os.path.join(folder, name), exist_ok=True)
     for stem, image, label in samples:
         image, label = smaller(image), smaller(label, cv2.INTER_NEAREST)
-        if not (cv2.imwrite(os.path.join(folder, 'images', stem + '.jpg'), image, [cv2.IMWRITE_JPEG_QUALITY, 92])
-                and cv2.imwrite(os.path.join(folder, 'labels', stem + '.png'), label)):
-            raise SystemExit(f"'{folder}' cannot be written to: is the disk full?")
+        to = folder + '_people' if apart and (label == PERSON).any() else folder
+        for name in ('images', 'labels'):
+            os.makedirs(os.path.join(to, name), exist_ok=True)
+        if not (cv2.imwrite(os.path.join(to, 'images', stem + '.jpg'), image, [cv2.IMWRITE_JPEG_QUALITY, 92])
+                and cv2.imwrite(os.path.join(to, 'labels', stem + '.png'), label)):
+            raise SystemExit(f"'{to}' cannot be written to: is the disk full?")
         seen = np.bincount(label.ravel(), minlength=256)[:len(NAMES)] > 0
         counts += seen
         count += 1
@@ -284,7 +299,7 @@ def main(argv=None):
     cv2.setNumThreads(1)
     detector, segmenter = Detector(args.detector), Segmenter(args.segmenter)
     for name in args.sets:
-        if not write(os.path.join(args.out, name), SETS[name](args.clones, segmenter, detector)):
+        if not write(os.path.join(args.out, name), SETS[name](args.clones, segmenter, detector), name == 'voc'):
             raise SystemExit(f'{name}: no photographs in its clones')
 
 

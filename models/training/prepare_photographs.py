@@ -6,7 +6,7 @@
 usage: prepare_photographs.py CLONES OUT --segmenter deeplabv3_mnv2_pascal_quant.onnx --detector yolox_nano.onnx [--sets voc ...]
 
 CLONES holds a bare or plain clone of each, as OWNER+NAME or OWNER+NAME/repo (README.md lists them; those of --sets are needed). OUT
-gets a folder for each set: voc, coco, clothes, rooms, furniture; and voc_people, so that they can be drawn more often. What a set's own labels leave open is unknown (255) where one of the
+gets a folder for each set: voc, coco, clothes, rooms, furniture; and voc_people and voc_furnished, so that they can be drawn more often. What a set's own labels leave open is unknown (255) where one of the
 two ready networks suspects one of our classes, and background elsewhere; images held back keep their true labels where they have some.
 Needs the Python packages onnxruntime, Pillow for voc, and SciPy for clothes.
 """
@@ -267,19 +267,19 @@ def smaller(image, interpolation=cv2.INTER_AREA):
 
 
 def write(folder, samples, apart=False):
-    """@param samples  (stem, BGR image, label image), of one size each  @param apart  people go to a folder of their own
-    @return count"""
+    """@param samples  (stem, BGR image, label image), of one size each  @param apart  images with people go to a
+    folder of their own, and so do others with anything of our classes  @return count"""
     counts = np.zeros(len(NAMES), int)
     count = nobody = 0
     for stem, image, label in samples:
         image, label = smaller(image), smaller(label, cv2.INTER_NEAREST)
-        to = folder + '_people' if apart and (label == PERSON).any() else folder
+        seen = np.bincount(label.ravel(), minlength=256)[:len(NAMES)] > 0
+        to = folder + ('_people' if apart and seen[PERSON] else '_furnished' if apart and seen[1:].any() else '')
         for name in ('images', 'labels'):
             os.makedirs(os.path.join(to, name), exist_ok=True)
         if not (cv2.imwrite(os.path.join(to, 'images', stem + '.jpg'), image, [cv2.IMWRITE_JPEG_QUALITY, 92])
                 and cv2.imwrite(os.path.join(to, 'labels', stem + '.png'), label)):
             raise SystemExit(f"'{to}' cannot be written to: is the disk full?")
-        seen = np.bincount(label.ravel(), minlength=256)[:len(NAMES)] > 0
         counts += seen
         count += 1
         nobody += not seen[PERSON]

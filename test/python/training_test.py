@@ -410,6 +410,11 @@ class PreparedPhotographs(unittest.TestCase):
             self.assertEqual(len(found), 1)
             label = found.load(0).label
             self.assertEqual((label[label.shape[0] // 2, label.shape[1] // 2], label[5, 5]), (NAMES.index('chair'), 0))
+            image = np.zeros((8, 8, 3), np.uint8)
+            labels = [np.full((8, 8), c, np.uint8) for c in (0, PERSON, NAMES.index('chair'))]
+            prepare_photographs.write(os.path.join(out, 'voc'), [(str(c), image, label) for c, label in enumerate(labels)], apart=True)
+            for c, name in enumerate(('voc', 'voc_people', 'voc_furnished')):
+                self.assertEqual(os.listdir(os.path.join(out, name, 'images')), [f'{c}.jpg'])
             with self.assertRaisesRegex(SystemExit, 'is no clone'):
                 prepare_photographs.main([folder, out, *options, 'clothes'])
 

@@ -17,7 +17,7 @@ from classes import PERSON, label_of_coco
 
 IMAGE_FOLDERS = ('rgb', 'images')
 FOLD = 5  # every fifth image, by a hash of its name, is held back from training
-KEPT_BYTES = 2**30  # of a folder's decoded images in memory: to decode one takes longer than all that is done to it
+KEPT_BYTES = 2**28  # of a folder's decoded images in memory: to decode one takes longer than all that is done to it
 
 
 class LabelledImage(typing.NamedTuple):

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scores a checkpoint, or a network exported from one, on the held-back fold of labelled folders: IoU per class.
+"""Scores a checkpoint, or a network exported from one, on the held-back fold of labelled folders: IoU per class,
+precision and recall of people, and the share taken for people of the images that show nobody.
 
 usage: evaluate.py CHECKPOINT.pt|NETWORK.onnx DIR ... [--size WIDTHxHEIGHT] [--all] [--pictures DIR] [--json]
 """
@@ -49,8 +50,10 @@ def main(argv=None):
 
     if args.pictures:
         os.makedirs(args.pictures, exist_ok=True)
-    iou = scores.evaluate(model, folders, size, on_image=draw if args.pictures else None)
-    result = {'images': sum(len(f) for f in folders), 'mean_iou': scores.mean_iou(iou), 'iou': iou}
+    confusion = scores.confusion_of(model, folders, size, on_image=draw if args.pictures else None)
+    iou, people, false_people = confusion.iou(), confusion.people(), confusion.false_people()
+    result = {'images': sum(len(f) for f in folders), 'mean_iou': scores.mean_iou(iou), 'iou': iou, 'precision': people[0],
+              'recall': people[1], 'empty_images': len(confusion.empty), 'false_people': false_people}
     whole_mean = sum(iou.values()) / max(1, len(iou))
     if args.json:
         print(json.dumps(result, indent=1))
@@ -58,6 +61,8 @@ def main(argv=None):
         for name, value in iou.items():
             print(f'{name:12s} {value:.3f}')
         print(f"{'mean':12s} {whole_mean:.3f}, {result['mean_iou']:.3f} without background, over {result['images']} images")
+        print(f"people: precision {people[0]:.3f}, recall {people[1]:.3f}" + (
+            '' if false_people is None else f'; {100 * false_people:.2f} % of {len(confusion.empty)} images without anybody taken for people'))
     return result
 
 

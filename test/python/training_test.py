@@ -37,6 +37,7 @@ try:
     import fast_graph
     import narrow
     import network_file
+    import prepare_photographs
     import quantize
     import scores
     import train
@@ -333,6 +334,92 @@ class SecondOpinion(unittest.TestCase):
 
 
 @unittest.skipIf(torch is None, 'needs PyTorch')
+class PreparedPhotographs(unittest.TestCase):
+    """Label images of 100x100 px; no network is run."""
+
+    def setUp(self):
+        self.chair = np.full((100, 100), IGNORE, np.uint8)
+        self.chair[20:80, 30:70] = NAMES.index('chair')
+        self.nothing = np.zeros((100, 100), np.uint8)
+
+    def commit(self, folder, name, files):
+        """A repository with these files."""
+        path = os.path.join(folder, name)
+        for file, content in files.items():
+            os.makedirs(os.path.dirname(os.path.join(path, file)), exist_ok=True)
+            with open(os.path.join(path, file), 'wb') as out:
+                out.write(content)
+        git = ['git', '-C', path, '-c', 'user.name=n', '-c', 'user.email=e']
+        for command in (['init', '-q'], ['add', '.'], ['commit', '-qm', 'm']):
+            subprocess.run(git + command, check=True, capture_output=True)
+
+    @staticmethod
+    def jpeg(rows=100, columns=100):
+        return cv2.imencode('.jpg', np.full((rows, columns, 3), 90, np.uint8))[1].tobytes()
+
+    def test_coco_instances_are_drawn_the_smaller_on_top(self):
+        def square(left, right, category, **more):
+            corners = [left, left, right, left, right, right, left, right]
+            return dict(area=(right - left) ** 2, category_id=category, segmentation=[corners], **more)
+
+        crowd = {'area': 9, 'category_id': 1, 'iscrowd': 1, 'bbox': [0, 0, 60, 60], 'segmentation': {}}
+        label = prepare_photographs.draw_instances((100, 100), [square(20, 40, 1), square(10, 90, 2), square(50, 70, 3), crowd],
+                                                   {1: 'person', 2: 'table', 3: 'dog'})
+        self.assertEqual([label[k, k] for k in (5, 30, 15, 60, 80, 95)], [IGNORE, PERSON, NAMES.index('table'), 0, NAMES.index('table'), 0])
+
+    def test_what_a_label_set_does_not_name_is_unknown(self):
+        boxes = [SecondOpinion.box(63, 0.2, 0, 0, 10, 10), SecondOpinion.box(0, 0.2, 20, 0, 30, 10), SecondOpinion.box(33, 0.2, 40, 0, 50, 10)]
+        label = prepare_photographs.unnamed(self.nothing, boxes, (0,))
+        self.assertEqual((label[5, 5], label[5, 25], label[5, 45]), (IGNORE, 0, 0))  # a laptop; a person, whom it names; a kite
+
+    def test_both_networks_must_see_nothing_for_background(self):
+        segmented = self.nothing.copy()
+        segmented[:, 90:] = PERSON
+        label = prepare_photographs.two_opinions(self.chair, segmented, [SecondOpinion.box(0, 0.9, 0, 0, 10, 10)])
+        self.assertEqual((label[5, 5], label[50, 95], label[50, 80], label[50, 50]), (IGNORE, IGNORE, 0, NAMES.index('chair')))
+        empty = prepare_photographs.two_opinions(self.chair, segmented, [SecondOpinion.box(0, 0.9, 0, 0, 10, 10)], people=False)
+        self.assertEqual((empty[5, 5], empty[50, 95]), (0, 0))
+
+    def test_furniture_is_taken_where_both_networks_see_it(self):
+        label = prepare_photographs.agreed(np.where(self.chair == IGNORE, 0, self.chair), [SecondOpinion.box(56, 0.9, 50, 0, 100, 100)])
+        self.assertEqual((label[50, 60], label[50, 40], label[50, 90]), (NAMES.index('chair'), IGNORE, IGNORE))
+
+    def test_a_box_about_an_outline_tells_nothing_more(self):
+        outlined = self.chair != IGNORE
+        for box, expected in ((SecondOpinion.box(56, 0.9, 28, 22, 74, 82), True), (SecondOpinion.box(56, 0.9, 0, 0, 90, 90), False)):
+            self.assertEqual(prepare_photographs.is_outlined(box, outlined), expected)
+        self.assertFalse(prepare_photographs.is_outlined(box, np.zeros_like(outlined)))
+
+    def test_rooms_and_furniture_of_a_clone(self):
+        with tempfile.TemporaryDirectory() as folder, mock.patch.multiple(
+                prepare_photographs, Detector=lambda path: lambda image: [], Segmenter=lambda path: lambda image: np.zeros(image.shape[:2], np.uint8)):
+            self.commit(folder, prepare_photographs.ROOMS[0],
+                        {'Houses Dataset/1_kitchen.jpg': self.jpeg(1000, 1280), 'Houses Dataset/1_frontal.jpg': self.jpeg()})
+            self.commit(folder, prepare_photographs.FURNITURE[0],
+                        {'Data/train/images/img1_jpg.rf.0123456789.jpg': self.jpeg(640, 640),
+                         'Data/train/labels/img1_jpg.rf.0123456789.txt': b'1 0.25 0.25 0.75 0.25 0.75 0.75 0.25 0.75\n',
+                         'Data/train/images/701-112_jpg.rf.0.jpg': self.jpeg()})
+            out = os.path.join(folder, 'out')
+            options = ['--segmenter', 'x', '--detector', 'y', '--sets']
+            prepare_photographs.main([folder, out, *options, 'rooms', 'furniture'])
+            found = dataset.LabelledFolder(os.path.join(out, 'rooms'))
+            self.assertEqual(len(found), 1)
+            self.assertEqual(found.load(0).image.shape, (500, 640, 3))
+            self.assertFalse(found.load(0).label.any())
+            found = dataset.LabelledFolder(os.path.join(out, 'furniture'))
+            self.assertEqual(len(found), 1)
+            label = found.load(0).label
+            self.assertEqual((label[label.shape[0] // 2, label.shape[1] // 2], label[5, 5]), (NAMES.index('chair'), 0))
+            image = np.zeros((8, 8, 3), np.uint8)
+            labels = [np.full((8, 8), c, np.uint8) for c in (0, PERSON, NAMES.index('chair'))]
+            prepare_photographs.write(os.path.join(out, 'voc'), [(str(c), image, label) for c, label in enumerate(labels)], apart=True)
+            for c, name in enumerate(('voc', 'voc_people', 'voc_furnished')):
+                self.assertEqual(os.listdir(os.path.join(out, name, 'images')), [f'{c}.jpg'])
+            with self.assertRaisesRegex(SystemExit, 'is no clone'):
+                prepare_photographs.main([folder, out, *options, 'clothes'])
+
+
+@unittest.skipIf(torch is None, 'needs PyTorch')
 class Network(unittest.TestCase):
     def test_has_the_published_size(self):
         parameters = bisenetv2.inference_parameters(bisenetv2.BiSeNetV2(21))
@@ -394,6 +481,16 @@ class Scores(unittest.TestCase):
         self.assertAlmostEqual(iou['background'], 2 / 4)
         self.assertEqual(set(iou), {'person', 'background'})
         self.assertAlmostEqual(scores.mean_iou(iou), 3 / 5)
+        self.assertEqual(confusion.people(), (3 / 4, 3 / 4))
+        self.assertIsNone(confusion.false_people())
+
+    def test_false_people_count_where_nobody_is(self):
+        confusion = scores.Confusion()
+        person = np.full((2, 2), PERSON, np.uint8)
+        confusion.add(person, person)
+        confusion.add(np.array([[0, 0], [0, IGNORE]], np.uint8), np.array([[0, 0], [1, 1]], np.uint8))
+        confusion.add(np.zeros((2, 2), np.uint8), np.zeros((2, 2), np.uint8))
+        self.assertEqual(confusion.false_people(), 1 / 4)  # half of one image, none of the other
 
 
 @unittest.skipIf(torch is None, 'needs PyTorch')

@@ -61,7 +61,7 @@ struct KeptInputConfig {
 
 /// A pair as received. Converting it is the worker's job, so that the callbacks return at once.
 struct RgbdMessages {
-  std::uint64_t index = 0;      ///< counts the pairs received, so that it tells how many were dropped between two
+  std::uint64_t index = 0;  ///< counts the pairs received, so that it tells how many were dropped between two
   sensor_msgs::ImageConstPtr rgb, depth;
   sensor_msgs::CameraInfoConstPtr info;  ///< null where a camera file is used
   std::uint32_t recording = 0;           ///< see StampOrder: grows when the clock of a recording goes back

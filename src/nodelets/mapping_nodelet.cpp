@@ -46,6 +46,7 @@ struct MappingNodeletConfig {
     frames.visit(v);
     v.group("removal", removal);
     v.group("dense", dense);
+    v.group("depth_noise", dense.keyframe.depth_noise);
     v.group("objects", objects);
   }
 };

@@ -34,6 +34,7 @@ struct MotionNodeletConfig {
     v.field("budget_ms", budget_ms, 1.0, 1000.0, "ms a frame may take before the diagnostics warn; 33 keeps 30 Hz");
     v.group("input", input);
     v.group("motion", motion);
+    v.group("depth_noise", motion.rigid.depth_noise);
     v.group("removal", removal);
   }
 };

@@ -10,7 +10,7 @@ PixelMeasurement makeMeasurement(const Eigen::Vector2d& undistorted_px, double d
   m.undistorted_px = undistorted_px;
   m.sigma_px = sigma_px;
   m.disparity_px = depth_m > 0.0 && depth_m <= sensor.closeM() ? camera.fx_baseline / depth_m : 0.0;
-  m.disparity_sigma_px = sensor.depth_sigma_at_1m_m * camera.fx_baseline * sigma_px;
+  m.disparity_sigma_px = sensor.depth_noise.features_m * camera.fx_baseline * sigma_px;
   m.weight = weight;
   return m;
 }

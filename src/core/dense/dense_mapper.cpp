@@ -57,7 +57,7 @@ bool DenseMapper::add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& la
   Kept kept;
   kept.cloud = makeKeyframeCloud(id, frame, labels, excluded, config_.keyframe);
   kept.cloud.points = voxelFilter(kept.cloud.points, config_.cloud_resolution_m);
-  kept.view = makeFreeSpaceView(frame, excluded, config_.keyframe.depth_noise_m_per_m2);
+  kept.view = makeFreeSpaceView(frame, excluded, config_.keyframe.depth_noise.surfaces_m);
   kept.T_world_camera = T_world_camera;
   kept_bytes_ += bytesOf(kept.cloud, kept.view);
   keyframes_.emplace(id, std::move(kept));

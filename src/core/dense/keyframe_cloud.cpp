@@ -60,7 +60,7 @@ cv::Mat1b depthEdges(const cv::Mat1f& depth_m, double focal_px, const KeyframeCl
   cv::dilate(depth_m, farthest, cv::Mat());
   // The window of 3x3 px spans two pixel steps.
   const auto slope = static_cast<float>(2.0 / focal_px * std::tan(config.max_incidence_deg * CV_PI / 180.0));
-  const auto noise = static_cast<float>(3.0 * config.depth_noise_m_per_m2);
+  const auto noise = static_cast<float>(3.0 * config.depth_noise.surfaces_m);
   cv::Mat1b edges(depth_m.size(), std::uint8_t{0});
   for (int v = 0; v < depth_m.rows; ++v) {
     const float *low = nearest[v], *high = farthest[v];

@@ -241,7 +241,7 @@ CameraMotion estimateCameraMotion(const std::vector<FlowPoint>& points, const Wo
   CameraMotion motion;
   if (points.size() < static_cast<std::size_t>(config.min_points)) return motion;
   const double focal_px = 2.0 * grid.focalCells();  // at flow.width_px
-  NoiseModel noise{config.flow_sigma_px / focal_px, config.depth_sigma_at_1m_m};
+  NoiseModel noise{config.flow_sigma_px / focal_px, config.depth_noise.motion_m};
 
   const PointColumns all(points), half(points, 2);
   NormalEquations normal;

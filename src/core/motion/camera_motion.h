@@ -48,7 +48,7 @@ CameraMotion estimateCameraMotion(const std::vector<FlowPoint>& points, const Wo
 
 /// Depth noise of structured light and stereo, standard deviation in metres.
 inline float depthSigma(const RigidFlowConfig& config, float depth_m) {
-  return static_cast<float>(config.depth_sigma_at_1m_m) * std::max(depth_m * depth_m, 0.25F);
+  return static_cast<float>(config.depth_noise.motion_m) * std::max(depth_m * depth_m, 0.25F);
 }
 
 }  // namespace semantic_vslam

@@ -102,7 +102,7 @@ TEST(KeyframeCloud, KeepsATiltedPlaneAndDropsAGrazingOne) {
     return frame;
   };
   KeyframeCloudConfig config = everyPixel();
-  config.depth_noise_m_per_m2 = 0.0001;
+  config.depth_noise.surfaces_m = 0.0001;
   const cv::Mat1f tilted = plane(45.0).depth_m, grazing = plane(87.0).depth_m;
   EXPECT_EQ(cv::countNonZero(depthEdges(tilted, 50.0, config)), 0);
   cv::Mat inside;  // pixels with a neighbour on each side: at the border of the plane one step is too few to tell

@@ -24,7 +24,7 @@ void look(VoxelMap& map, const RgbdFrame& frame, const SE3& T_world_camera = SE3
   KeyframeCloudConfig config;
   config.stride_px = 1;
   const auto cloud = makeKeyframeCloud(KeyframeId(0), frame, labels, excluded, config);
-  map.integrate(cloud.points, makeFreeSpaceView(frame, excluded, config.depth_noise_m_per_m2, 2), T_world_camera);
+  map.integrate(cloud.points, makeFreeSpaceView(frame, excluded, config.depth_noise.surfaces_m, 2), T_world_camera);
 }
 
 /// A wall at 3 m with a 0.4 m wide thing in the middle of the view at 1.5 m.

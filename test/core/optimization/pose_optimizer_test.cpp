@@ -109,7 +109,7 @@ TEST(PoseOptimizer, DepthTellsTheDistanceOfAPatchThatPixelsAloneHardlyTell) {
     o.undistorted_px = Eigen::Vector2d(320, 240) + 0.1 * (o.undistorted_px - Eigen::Vector2d(320, 240));
     o.point_world = scene.truth.inverse() * camera().unprojectUndistorted(o.undistorted_px, o.depth_m);
   }
-  scene.problem.sensor.depth_sigma_at_1m_m = 0.1 / camera().fx() / scene.problem.sensor.virtual_baseline_m;
+  scene.problem.sensor.depth_noise.features_m = 0.1 / camera().fx() / scene.problem.sensor.virtual_baseline_m;
   const PoseSolution with_depth = optimizePose(scene.problem, {});
   for (auto& o : scene.problem.observations) o.depth_m = 0.0;
   const PoseSolution without = optimizePose(scene.problem, {});
@@ -125,7 +125,7 @@ TEST(PoseOptimizer, CovarianceMatchesTheScatterOfSolutions) {
   constexpr int kTrials = 200;
   for (int trial = 0; trial < kTrials; ++trial) {
     Scene scene = makeScene(100, 0, 1.0, 100 + trial);
-    scene.problem.sensor.depth_sigma_at_1m_m = 0.5 / camera().fx() / scene.problem.sensor.virtual_baseline_m;
+    scene.problem.sensor.depth_noise.features_m = 0.5 / camera().fx() / scene.problem.sensor.virtual_baseline_m;
     for (auto& o : scene.problem.observations) o.sigma_px = 1.0;
     Rng rng(900 + trial);
     for (auto& o : scene.problem.observations) {  // redraw the pixels with that one sigma

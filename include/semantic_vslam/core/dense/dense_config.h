@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "semantic_vslam/core/camera/sensor_config.h"
+
 namespace semantic_vslam {
 
 /// Which of a keyframe's pixels become points of the dense map.
@@ -9,7 +11,7 @@ struct KeyframeCloudConfig {
   int stride_px = 2;
   double min_depth_m = 0.3;
   double max_depth_m = 4.0;
-  double depth_noise_m_per_m2 = 0.0019;
+  MapDepthNoise depth_noise;
   double max_incidence_deg = 80.0;
   int dynamic_margin_px = 8;
 
@@ -20,8 +22,6 @@ struct KeyframeCloudConfig {
     v.field("min_depth_m", min_depth_m, 0.05, 5.0, "nearer depth is dropped: below the range of structured light");
     v.field("max_depth_m", max_depth_m, 0.5, 20.0,
             "farther depth is dropped: its noise grows with z^2 and passes a voxel of 3 cm (1 sigma) at 4 m");
-    v.field("depth_noise_m_per_m2", depth_noise_m_per_m2, 0.0001, 0.1,
-            "standard deviation of depth over z^2, 1/m; 0.0019 for Kinect v1 (Nguyen et al. 2012)");
     v.field(
         "max_incidence_deg", max_incidence_deg, 30.0, 89.0,
         "a depth step steeper than a plane seen at this angle is an edge; its pixels mix both sides and are dropped");

@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "semantic_vslam/core/camera/sensor_config.h"
+
 namespace semantic_vslam {
 
 /// Dense optical flow (DIS; Kroeger et al., ECCV 2016).
@@ -39,7 +41,7 @@ struct HomographyConfig {
 /// The rigid model: the camera's motion in space and the depth image explain the flow of everything that stands still.
 struct RigidFlowConfig {
   double flow_sigma_px = 0.2;
-  double depth_sigma_at_1m_m = 0.003;
+  MotionDepthNoise depth_noise;
   double min_depth_margin_m = 0.04;
   int min_points = 60;
   double min_inlier_share = 0.35;
@@ -48,9 +50,6 @@ struct RigidFlowConfig {
   void visit(Visitor& v) {
     v.field("flow_sigma_px", flow_sigma_px, 0.05, 5.0,
             "least standard deviation of the flow, px at flow.width_px (each frame measures its own)");
-    v.field("depth_sigma_at_1m_m", depth_sigma_at_1m_m, 0.0002, 0.05,
-            "depth noise of a surface at 1 m, metres; it grows with the square of depth (structured light and stereo "
-            "alike). Smaller than sensor's, which is that of features, at edges");
     v.field("min_depth_margin_m", min_depth_margin_m, 0.005, 0.5,
             "a surface counts as new in free space if it is nearer than what was seen there by this and 4 sigma, m");
     v.field("min_points", min_points, 10, 1000, "fewer points with depth: the flow is explained by a homography");

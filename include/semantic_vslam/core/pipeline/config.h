@@ -29,6 +29,7 @@ struct SparseSlamConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.group("sensor", tracking.frame.sensor);
+    v.group("depth_noise", tracking.frame.sensor.depth_noise);
     v.group("tracking", tracking);
     v.group("sparse_map", sparse_map);
     v.group("triangulation", triangulation);
@@ -85,11 +86,13 @@ struct SystemConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.group("motion", motion);
+    v.group("depth_noise", motion.rigid.depth_noise);
     v.group("segmentation", segmentation);
     v.group("removal", removal);
     waits.visit(v);
     slam.visit(v);  // tracking, mapping and optimisation are top-level groups
     v.group("dense", dense);
+    v.group("depth_noise", dense.keyframe.depth_noise);
     inputs.visit(v);
     v.field("label_delay_s", label_delay_s, 0.0, 60.0,
             "labels reach the motion stage at least this long after their image, s: to measure what late masks cost");

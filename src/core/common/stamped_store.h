@@ -39,7 +39,6 @@ class StampedStore {
   double worthWaitingS(Stamp stamp, double patience_s) const {
     return has(stamp) || passedOver(stamp) ? 0.0 : patience_s;
   }
-  void clear() { values_.clear(); }
 
  private:
   std::size_t capacity_;

@@ -68,7 +68,6 @@ class KeyframeInputs {
   /// @return nothing if there are no images, or nobody can say where people are in them, or a network runs but passed
   ///         this keyframe over (people who stand would be in it): counted
   std::optional<Gathered> gather(const Named& named, const Running& running);
-  std::optional<PendingFrame> frame(Stamp stamp) const { return frames_.find(stamp); }
   bool hasLabels(Stamp stamp) const { return labels_.has(stamp); }
 
   struct Counts {

@@ -31,7 +31,7 @@ void DenseRunner::take(const FrameLabels& labels) {
 }
 
 void DenseRunner::take(const LabelSet& label_set) {
-  inbox_.put([label_set](DenseStage& stage) { stage.take(label_set); });
+  inbox_.put([label_set](DenseStage& stage) { stage.take(label_set); }, true);
   wake();
 }
 

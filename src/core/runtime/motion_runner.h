@@ -5,6 +5,8 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <type_traits>
+#include <utility>
 
 #include "core/pipeline/keyframe_inputs.h"
 #include "core/pipeline/motion_stage.h"
@@ -26,7 +28,10 @@ class MotionRunner {
   /// Anything that MotionStage::take() takes; it counts from the next frame on.
   template <class Message>
   void take(Message message) {
-    inbox_.put([message = std::move(message)](MotionStage& stage) { stage.take(message); });
+    // Labels and poses come again and again.
+    constexpr bool kMustArrive = !std::is_same_v<Message, FrameLabels> && !std::is_same_v<Message, MapSnapshot> &&
+                                 !std::is_same_v<Message, TimedPose>;
+    inbox_.put([message = std::move(message)](MotionStage& stage) { stage.take(message); }, kMustArrive);
   }
   /// Works off the frames that wait. No push() after it.
   void finish() { worker_.finish(); }

@@ -44,7 +44,7 @@ void TrackingRunner::take(const FrameLabels& labels) {
 }
 
 void TrackingRunner::take(const LabelSet& label_set) {
-  inbox_.put([label_set](TrackingStage& stage) { stage.take(label_set); });
+  inbox_.put([label_set](TrackingStage& stage) { stage.take(label_set); }, true);
   inputs_.with([](Inputs&) {});  // whether a network runs may have changed for who waits
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <string>
 #include <utility>
 
 #include "core/dense/cloud_file.h"
@@ -13,6 +14,10 @@
 
 namespace semantic_vslam {
 namespace {
+
+// A tree of OctoMap has this many cells on each side of its origin.
+constexpr double kOctomapCells = 32768;
+constexpr double kFarthestPointM = 20.0;  // from a camera
 
 const DenseConfig& validated(const DenseConfig& config) {
   validateConfig(config);
@@ -52,7 +57,7 @@ DenseMapper::DenseMapper(const DenseConfig& config, const LabelSet& labels)
 bool DenseMapper::add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
                       const SE3& T_world_camera) {
   const bool usable = frame.camera != nullptr && !frame.depth_m.empty() && fits(frame, labels) && fits(frame, dynamic);
-  if (!usable || !T_world_camera.matrix().allFinite() || keyframes_.count(id) > 0) return false;
+  if (!usable || !inReach(T_world_camera) || keyframes_.count(id) > 0) return false;
   const cv::Mat1b excluded = excludedPixels(frame.depth_m.size(), labels, dynamic, labels_, config_.keyframe);
   Kept kept;
   kept.cloud = makeKeyframeCloud(id, frame, labels, excluded, config_.keyframe);
@@ -66,6 +71,17 @@ bool DenseMapper::add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& la
   keepToBudget();  // only now: what is served has every keyframe in full
   work();
   return true;
+}
+
+bool DenseMapper::inReach(const SE3& T_world_camera) {
+  const double reach_m = kOctomapCells * config_.voxels.resolution_m - kFarthestPointM;
+  if (T_world_camera.matrix().allFinite() && T_world_camera.translation().cwiseAbs().maxCoeff() <= reach_m) return true;
+  if (!std::exchange(warned_of_reach_, true)) {
+    logWarning("a keyframe lies further than " + std::to_string(static_cast<int>(reach_m)) +
+               " m from the map's origin: it and what else is out of OctoMap's reach is left out of the dense map; "
+               "raise dense.voxels.resolution_m, or begin nearer to the origin");
+  }
+  return false;
 }
 
 void DenseMapper::integrate(KeyframeId id, const SE3& T_world_camera, Version& version) const {
@@ -84,7 +100,7 @@ SE3 DenseMapper::poseAmong(const std::map<KeyframeId, SE3>& T_world_camera, Keyf
 void DenseMapper::updatePoses(const std::vector<KeyframePose>& poses) {
   std::map<KeyframeId, SE3> optimised;
   for (const KeyframePose& pose : poses) {
-    if (keyframes_.count(pose.keyframe) > 0 && pose.T_world_camera.matrix().allFinite()) {
+    if (keyframes_.count(pose.keyframe) > 0 && inReach(pose.T_world_camera)) {
       optimised[pose.keyframe] = pose.T_world_camera;
     }
   }

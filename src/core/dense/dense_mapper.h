@@ -14,7 +14,7 @@
 #include "core/dense/octomap_export.h"
 #include "core/dense/voxel_map.h"
 #include "semantic_vslam/core/dense/dense_config.h"
-#include "semantic_vslam/core/map/keyframe_pose.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
 
 namespace semantic_vslam {
 
@@ -89,6 +89,7 @@ class DenseMapper {
     std::map<KeyframeId, SE3> T_world_camera;
   };
 
+  bool inReach(const SE3& T_world_camera);
   void integrate(KeyframeId id, const SE3& T_world_camera, Version& version) const;
   /// Where a keyframe lies among other poses than the newest: as it lies to the one of them that is nearest in time.
   SE3 poseAmong(const std::map<KeyframeId, SE3>& T_world_camera, KeyframeId id) const;
@@ -100,7 +101,8 @@ class DenseMapper {
   LabelSet labels_;
   std::map<KeyframeId, Kept> keyframes_;
   std::size_t kept_bytes_ = 0;
-  bool warned_ = false;  ///< that memory_mb is used up
+  bool warned_ = false;           ///< that memory_mb is used up
+  bool warned_of_reach_ = false;  ///< that a pose is out of reach
   Version served_;
   std::optional<Version> next_;
   std::size_t rebuilds_ = 0;

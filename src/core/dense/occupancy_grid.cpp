@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
 #include <tuple>
 
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/common/log.h"
 
 namespace semantic_vslam {
 namespace {
@@ -30,6 +34,24 @@ std::vector<BandVoxel> voxelsInBand(const VoxelMap& map, const SE3& T_map_world,
                     voxel.state == Occupancy::kOccupied});
   });
   return band;
+}
+
+/// One pose that is far off must not make a grid of gigabytes: what lies further from the middle of all than this is
+/// left out.
+void keepToLargestGrid(std::vector<BandVoxel>& band) {
+  constexpr int kMostCells = 10000;  // along a side: 500 m at 5 cm, 100 MB
+  for (int BandVoxel::*axis : {&BandVoxel::x, &BandVoxel::y}) {
+    const auto less = [axis](const BandVoxel& a, const BandVoxel& b) { return a.*axis < b.*axis; };
+    const auto [low, high] = std::minmax_element(band.begin(), band.end(), less);
+    if (band.empty() || static_cast<std::int64_t>((*high).*axis) - (*low).*axis < kMostCells) continue;
+    const auto middle = band.begin() + static_cast<std::ptrdiff_t>(band.size() / 2);
+    std::nth_element(band.begin(), middle, band.end(), less);
+    const std::int64_t centre = (*middle).*axis;
+    const auto far = [&](const BandVoxel& voxel) { return std::abs(voxel.*axis - centre) >= kMostCells / 2; };
+    band.erase(std::remove_if(band.begin(), band.end(), far), band.end());
+    logWarning("the map is too large for one grid: what is further than " + std::to_string(kMostCells / 2) +
+               " cells from its middle is left out; raise dense.grid.resolution_m");
+  }
 }
 
 OccupancyGrid emptyGrid(const std::vector<BandVoxel>& band, double resolution_m) {
@@ -55,6 +77,7 @@ OccupancyGrid projectToGrid(const VoxelMap& map, const SE3& T_map_world, const O
                       ", must be above min_height_m, which is " + std::to_string(config.min_height_m));
   }
   std::vector<BandVoxel> band = voxelsInBand(map, T_map_world, config);
+  keepToLargestGrid(band);
   OccupancyGrid grid = emptyGrid(band, config.resolution_m);
   // Columns of layers, each counted once: several turned voxels can share a layer of a cell.
   std::sort(band.begin(), band.end(), [](const BandVoxel& a, const BandVoxel& b) {

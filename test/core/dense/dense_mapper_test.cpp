@@ -65,6 +65,21 @@ TEST(DenseMapper, RefusesAFrameThatDoesNotFitAndAKnownId) {
   EXPECT_FALSE(addWall(mapper, 0, SE3::Identity()));
 }
 
+TEST(DenseMapper, APoseOutOfReachIsLeftOutAndTheRestOfTheMapStays) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  ASSERT_TRUE(addWall(mapper, 0, SE3::Identity()));
+  for (const double far_m : {20e3, -30e3, 1e300}) EXPECT_FALSE(addWall(mapper, 1, translated(far_m, 0, 0)));
+  ASSERT_TRUE(addWall(mapper, 1, translated(1600.0, 0, 0))) << "OctoMap reaches 1638 m at 5 cm";
+  ASSERT_TRUE(addWall(mapper, 2, translated(0.1, 0, 0)));
+  mapper.updatePoses({{KeyframeId(0), Stamp(), SE3::Identity()},
+                      {KeyframeId(1), Stamp(), translated(30e3, 0, 0)},
+                      {KeyframeId(2), Stamp(), translated(0.1, 0, 0)}});
+  mapper.finish();
+  for (const LabelledPoint& point : mapper.cloud()) EXPECT_LT(std::abs(point.xyz_m[0]), 1638.0F);
+  EXPECT_GT(mapper.cloud().size(), 2900U);
+  EXPECT_LT(mapper.projectedMap(SE3::Identity()).cells.size(), 100'000'001U);
+}
+
 TEST(DenseMapper, APersonNeverEntersAndAMovedChairLeaves) {
   DenseMapper mapper(smallConfig(), threeLabels());
   const cv::Size size(64, 48);

@@ -91,5 +91,23 @@ TEST(OccupancyGrid, RefusesABandUpsideDown) {
   EXPECT_THROW(projectToGrid(VoxelMap(VoxelMapConfig()), SE3::Identity(), config), ConfigError);
 }
 
+TEST(OccupancyGrid, WhatIsFarFromAllElseMakesNoGridOfGigabytes) {
+  const RgbdFrame frame = wallFrame(2.02F);
+  VoxelMapConfig config;
+  config.resolution_m = 0.1;
+  VoxelMap map(config);
+  KeyframeCloudConfig cloud_config;
+  cloud_config.stride_px = 1;
+  const auto cloud = makeKeyframeCloud(KeyframeId(0), frame, cv::Mat1b(), cv::Mat1b(), cloud_config);
+  const FreeSpaceView view = makeFreeSpaceView(frame, cv::Mat1b(), 0.0019, 2);
+  for (const double x_m : {-0.5, 0.0, 0.5, 3000.0}) {
+    map.integrate(cloud.points, view, SE3(Eigen::Translation3d(x_m, 0.0, 0.0)));
+  }
+  const OccupancyGrid grid = projectToGrid(map, mapFromCamera(), tenCentimetres());
+  EXPECT_LT(grid.width, 100);
+  EXPECT_LT(grid.height, 100);
+  EXPECT_EQ(cellAt(grid, 2.05, 0.05), OccupancyGrid::kOccupied);
+}
+
 }  // namespace
 }  // namespace semantic_vslam

@@ -3,6 +3,7 @@
 #include "eval/overview_picture.h"
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "core/dense/up_direction.h"
@@ -109,7 +110,7 @@ cv::Mat3b tinted(const cv::Mat3b& bgr, const cv::Mat1b& dynamic) {
 }
 
 void drawSample(PlotCanvas& canvas, const OverviewContent& content, int top_px) {
-  constexpr int kWidth = 520, kGap = 20;
+  constexpr int kWidth = 520, kHeight = 390, kGap = 20;
   const auto label_color = [&](const LabelledPoint& point) {
     return point.label < content.labels.size() ? content.labels.classes[point.label].color_bgr : cv::Vec3b();
   };
@@ -125,24 +126,37 @@ void drawSample(PlotCanvas& canvas, const OverviewContent& content, int top_px) 
   int left_px = 20;
   for (const auto& [name, picture] : pictures) {
     canvas.text(name, {left_px + 2.0, top_px + 14.0}, 11.0, kInk, true);
-    const int height = kWidth * picture.rows / picture.cols;
-    canvas.image(picture, cv::Rect(left_px, top_px + 24, kWidth, height));
+    const double scale = std::min(1.0 * kWidth / picture.cols, 1.0 * kHeight / picture.rows);
+    const cv::Size size(std::max(1, cvRound(scale * picture.cols)), std::max(1, cvRound(scale * picture.rows)));
+    canvas.image(picture, cv::Rect(cv::Point(left_px, top_px + 24), size));
     left_px += kWidth + kGap;
   }
 }
 
-/// Every label in the map, in lines from left_px to right_px.
-void drawLegendOfLabels(PlotCanvas& canvas, const OverviewContent& content, cv::Point2d at_px, double right_px) {
-  const double left_px = at_px.x;
+/// The labels in the map, from the commonest on, in lines within an area; those that find no place in it are counted.
+void drawLegendOfLabels(PlotCanvas& canvas, const OverviewContent& content, const cv::Rect2d& area_px) {
   std::vector<std::size_t> count(content.labels.size(), 0);
   for (const auto& point : content.cloud) {
     if (point.label < count.size()) ++count[point.label];
   }
+  std::vector<std::size_t> seen;
   for (std::size_t label = 0; label < count.size(); ++label) {
-    if (count[label] == 0) continue;
-    const auto& entry = content.labels.classes[label];
+    if (count[label] > 0) seen.push_back(label);
+  }
+  std::stable_sort(seen.begin(), seen.end(), [&](std::size_t a, std::size_t b) { return count[a] > count[b]; });
+  constexpr double kLine = 18, kRoomForMore = 90;
+  cv::Point2d at_px(area_px.x, area_px.y + 12);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const auto& entry = content.labels.classes[seen[i]];
     const double width_px = 40 + PlotCanvas::textWidth(entry.name, 10.0);
-    if (at_px.x + width_px > right_px) at_px = {left_px, at_px.y + 18};
+    const bool last_line = at_px.y + kLine > area_px.br().y;
+    if (at_px.x + width_px > area_px.br().x - (last_line ? kRoomForMore : 0.0)) {
+      if (last_line) {
+        canvas.text("and " + std::to_string(seen.size() - i) + " more", at_px, 10.0, kInk);
+        return;
+      }
+      at_px = {area_px.x, at_px.y + kLine};
+    }
     canvas.fill(cv::Rect2d(at_px.x, at_px.y - 10, 12, 12), entry.color_bgr);
     canvas.text(entry.name, {at_px.x + 18, at_px.y}, 10.0, kInk);
     at_px.x += width_px;
@@ -160,7 +174,7 @@ cv::Mat3b drawOverview(const OverviewContent& content) {
   if (with_error) drawErrorOverTime(canvas, cv::Rect(920, 75, 710, 640), *content.absolute);
   if (!content.sample_bgr.empty() && content.camera) {
     drawSample(canvas, content, 725);
-    drawLegendOfLabels(canvas, content, {1110, 1160}, 1630);
+    drawLegendOfLabels(canvas, content, {30, 1148, 1600, 48});
   }
   return canvas.picture();
 }

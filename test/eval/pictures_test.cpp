@@ -124,5 +124,37 @@ TEST(DrawOverview, ShowsMapSampleAndPathWithAndWithoutTruth) {
   EXPECT_FALSE(drawOverview(OverviewContent{}).empty()) << "a run that posed nothing";
 }
 
+TEST(DrawOverview, TakesPicturesOfAnyShape) {
+  for (const cv::Size size : {cv::Size(480, 480), cv::Size(360, 480), cv::Size(640, 64), cv::Size(32, 512)}) {
+    CameraIntrinsics k;
+    k.width = size.width;
+    k.height = size.height;
+    k.fx = k.fy = 400.0;
+    k.cx = 0.5 * size.width;
+    k.cy = 0.5 * size.height;
+    OverviewContent content;
+    content.camera = std::make_shared<CameraModel>(k);
+    content.sample_bgr = cv::Mat3b(size, kRed);
+    content.sample_dynamic = cv::Mat1b::zeros(size);
+    content.cloud = {pointAt(0, 0, 2, kGreen), pointAt(0.5, 0.5, 3, kGreen)};
+    const cv::Mat3b picture = drawOverview(content);
+    EXPECT_GT(countColor(picture, kRed), 2000) << size;
+  }
+}
+
+TEST(DrawOverview, NamesAsManyLabelsAsThereIsRoomFor) {
+  OverviewContent content;
+  content.camera = camera();
+  content.sample_bgr = cv::Mat3b(48, 64, cv::Vec3b(200, 200, 200));
+  content.sample_dynamic = cv::Mat1b::zeros(48, 64);
+  for (int label = 1; label <= 60; ++label) {
+    content.labels.classes.push_back({"something with a long name " + std::to_string(label), Mobility::kStatic, kRed});
+    content.cloud.push_back(
+        pointAt(0.05F * static_cast<float>(label % 8), 0.05F * static_cast<float>(label / 8), 1.0F, kGreen));
+    content.cloud.back().label = static_cast<std::uint8_t>(label);
+  }
+  EXPECT_EQ(drawOverview(content).size(), cv::Size(1640, 1200));
+}
+
 }  // namespace
 }  // namespace semantic_vslam

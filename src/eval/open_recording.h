@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "core/common/arguments.h"
-#include "semantic_vslam/core/io/tum_sequence.h"
+#include "core/io/tum_sequence.h"
 
 namespace semantic_vslam {
 

@@ -3,21 +3,30 @@
 #include "eval/run_recorder.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <vector>
 
 #include "core/common/atomic_file.h"
 #include "core/dense/cloud_file.h"
 #include "core/dense/dense_mapper.h"
 #include "core/io/image_file.h"
+#include "core/io/trajectory.h"
 #include "core/pipeline/sparse_slam.h"
 #include "eval/overview_picture.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/io/trajectory.h"
 
 namespace semantic_vslam {
 namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSummary = "summary.json";
+constexpr std::array kFiles{"trajectory.txt", "keyframes.txt", "timing.csv", "cloud.pcd", "map.ot", "overview.png"};
+constexpr std::array kPictureFolders{"masks", "removed"};
 
 // More than this share of moving things in a picture leaves no room to be seen.
 constexpr double kMostDynamicSample = 0.5;
@@ -26,6 +35,27 @@ std::vector<TimedPose> posesOf(const std::vector<KeyframePose>& keyframes) {
   std::vector<TimedPose> poses;
   for (const KeyframePose& keyframe : keyframes) poses.push_back({keyframe.stamp, keyframe.T_world_camera});
   return poses;
+}
+
+void removeFile(const fs::path& path) {
+  std::error_code failed;
+  fs::remove(path, failed);
+  if (failed) throw FileError("'" + path.string() + "' of an earlier run cannot be removed: " + failed.message());
+}
+
+/// What a run has written, with sizes in bytes; of a folder of pictures their sum.
+std::map<std::string, std::uintmax_t> filesIn(const fs::path& folder) {
+  std::map<std::string, std::uintmax_t> bytes;
+  for (const char* name : kFiles) {
+    if (fs::is_regular_file(folder / name)) bytes[name] = fs::file_size(folder / name);
+  }
+  for (const char* name : kPictureFolders) {
+    if (!fs::is_directory(folder / name)) continue;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder / name)) {
+      if (entry.is_regular_file()) bytes[name] += entry.file_size();
+    }
+  }
+  return bytes;
 }
 
 /// Compares with the ground truth, where that is possible; says why not otherwise.
@@ -57,11 +87,30 @@ void RunRecorder::add(const RgbdFrame& frame, const StepResult& step, const cv::
   }
 }
 
+void RunRecorder::clearFolder(const std::string& folder) {
+  removeFile(folder + "/" + kSummary);  // first: without it the rest passes for no result
+  for (const char* name : kFiles) removeFile(folder + "/" + name);
+  removeLeftOvers(folder);
+  for (const char* name : kPictureFolders) {
+    const fs::path pictures = fs::path(folder) / name;
+    if (!fs::is_directory(pictures)) continue;
+    removeLeftOvers(pictures.string());
+    for (const fs::directory_entry& entry : fs::directory_iterator(pictures)) {
+      if (entry.path().extension() == ".png" && parseStamp(entry.path().stem().string())) removeFile(entry.path());
+    }
+  }
+}
+
+void RunRecorder::writePoses(const std::string& folder, const SparseSlam& slam) {
+  writeTumTrajectory(folder + "/trajectory.txt", slam.trajectory());
+  writeTumTrajectory(folder + "/keyframes.txt", posesOf(slam.keyframePoses()));
+}
+
 void RunRecorder::writeResults(const std::string& folder, const Results& results, const DenseConfig& dense,
-                               const FrameSource& source) {
+                               const FrameSource& source, bool at_end) {
+  removeFile(folder + "/" + kSummary);
   const std::vector<TimedPose> trajectory = results.slam.trajectory();
-  writeTumTrajectory(folder + "/trajectory.txt", trajectory);
-  writeTumTrajectory(folder + "/keyframes.txt", posesOf(results.slam.keyframePoses()));
+  writePoses(folder, results.slam);
   results.times.writeCsv(folder + "/timing.csv");
   const std::vector<LabelledPoint> cloud = results.dense.cloud();
   if (dense.enabled) {
@@ -74,17 +123,18 @@ void RunRecorder::writeResults(const std::string& folder, const Results& results
   report_.cloud_points = cloud.size();
   report_.voxels = results.dense.voxels();
   report_.stages = results.times.summarize();
-  report_.peak_memory_mb = peakMemoryMb();
   scoreTrajectory(source.groundTruth(), trajectory, report_);
-  writeTextAtomically(folder + "/summary.json", toJson(report_));
-  writeOverview(folder + "/overview.png", results.dense.labels(), dense, source, trajectory, cloud);
+  if (at_end) writeOverview(folder + "/overview.png", results.dense.labels(), dense, source, trajectory, cloud);
+  report_.peak_memory_mb = peakMemoryMb();
+  report_.files = filesIn(folder);
+  writeTextAtomically(folder + "/" + kSummary, toJson(report_));
 }
 
 void RunRecorder::writeOverview(const std::string& path, const LabelSet& labels, const DenseConfig& dense,
                                 const FrameSource& source, const std::vector<TimedPose>& trajectory,
                                 const std::vector<LabelledPoint>& cloud) const {
   OverviewContent content;
-  content.title = std::filesystem::path(report_.sequence).filename().string();
+  content.title = fs::path(report_.sequence).filename().string();
   content.subtitle = headline(report_);
   content.cloud = cloud;
   content.cloud_resolution_m = dense.cloud_resolution_m;

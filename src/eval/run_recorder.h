@@ -6,11 +6,11 @@
 #include <string>
 
 #include "core/dense/dense_mapper.h"
+#include "core/io/frame_source.h"
 #include "eval/run_report.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/dense/dense_result.h"
 #include "semantic_vslam/core/geometry/timed_pose.h"
-#include "semantic_vslam/core/io/frame_source.h"
 #include "semantic_vslam/core/pipeline/messages.h"
 
 namespace semantic_vslam {
@@ -33,10 +33,15 @@ class RunRecorder {
     const DenseMapper& dense;
     const StageTimes& times;
   };
-  /// Writes trajectory.txt, keyframes.txt, timing.csv, cloud.pcd, map.ot, summary.json and overview.png, and completes
-  /// the report by what they hold. @throws FileError
+  /// Removes what an earlier run left in a folder, so that all in it is of one run. @throws FileError
+  static void clearFolder(const std::string& folder);
+  /// Writes trajectory.txt and keyframes.txt as they stand. @throws FileError
+  static void writePoses(const std::string& folder, const SparseSlam& slam);
+  /// Writes these, timing.csv, cloud.pcd, map.ot and, at the end, overview.png; completes the report by what they hold
+  /// and writes it, last, to summary.json: where that is, the files that it names are whole and of one moment.
+  /// @param at_end  false: the run goes on  @throws FileError
   void writeResults(const std::string& folder, const Results& results, const DenseConfig& dense,
-                    const FrameSource& source);
+                    const FrameSource& source, bool at_end);
 
  private:
   /// The posed frame with most motion in it, for the overview.

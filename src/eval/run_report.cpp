@@ -114,12 +114,16 @@ std::string toJson(const RunReport& r) {
   } else {
     write(json, "latency_ms", quantilesOf(r.latency_ms));
   }
+  json.field("decoding_late_ms", r.decoding_late_ms);
   json.field("cloud_points", r.cloud_points);
   json.field("voxels", r.voxels);
   json.field("start_s", r.start_s);
   json.field("wall_s", r.wall_s);
   json.field("peak_memory_mb", r.peak_memory_mb);
-  json.field("interrupted", r.interrupted);
+  json.field("ended", r.ended);
+  json.beginObject("files");
+  for (const auto& [name, bytes] : r.files) json.field(name, static_cast<std::size_t>(bytes));
+  json.endObject();
   json.beginObject("stages");
   for (const StageSummary& stage : r.stages) {
     json.beginObject(stage.stage);
@@ -161,6 +165,7 @@ std::string toText(const RunReport& r) {
     text += format("%-20s %7zu %12.2f %9.2f %9.2f\n", stage.stage.c_str(), stage.count, stage.cpu.median_ms,
                    stage.cpu.p95_ms, stage.cpu.worst_ms);
   }
+  if (r.ended != "complete") text += "ended early: " + r.ended + "\n";
   return text + format("%.1f s in all, peak memory %.0f MB\n", r.wall_s, r.peak_memory_mb);
 }
 

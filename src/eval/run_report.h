@@ -30,6 +30,7 @@ struct RunReport {
   std::size_t skipped_broken = 0;  ///< unreadable in the recording
   std::size_t dropped_late = 0;    ///< passed over to keep real time
   std::vector<double> latency_ms;  ///< from a frame's time to its pose, one a frame given; empty if not in real time
+  double decoding_late_ms = 0.0;   ///< worst delay of a frame before it was given: the recording's, not in latency_ms
   std::size_t posed = 0;           ///< frames with a pose in the trajectory
   std::size_t keyframes = 0, landmarks = 0;
   std::size_t keyframes_passed_over = 0;  ///< left out of the dense map: segmentation was too far behind
@@ -42,8 +43,9 @@ struct RunReport {
   std::vector<StageSummary> stages;
   std::optional<AbsoluteTrajectoryError> absolute;  ///< where there is ground truth
   std::optional<RelativePoseError> relative;
-  MaskScore mask;  ///< of what tracking took as dynamic, over the frames with a true mask
-  bool interrupted = false;
+  MaskScore mask;                               ///< of what tracking took as dynamic, over the frames with a true mask
+  std::string ended = "running";                ///< how: "complete", a signal's name, or what went wrong
+  std::map<std::string, std::uintmax_t> files;  ///< what the run left in its folder beside the report, with bytes
 
   double posedShare() const { return frames == 0 ? 0.0 : static_cast<double>(posed) / static_cast<double>(frames); }
 };

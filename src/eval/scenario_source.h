@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/io/frame_source.h"
 #include "eval/synthetic_room.h"
-#include "semantic_vslam/core/io/frame_source.h"
 
 namespace semantic_vslam {
 

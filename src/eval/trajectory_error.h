@@ -9,7 +9,7 @@
 #include "core/geometry/rigid_alignment.h"
 #include "core/io/json_writer.h"
 #include "core/io/stamp_association.h"
-#include "semantic_vslam/core/io/trajectory.h"
+#include "core/io/trajectory.h"
 
 namespace semantic_vslam {
 

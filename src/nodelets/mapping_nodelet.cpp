@@ -4,22 +4,15 @@
 #include <semantic_vslam/KeyframeStamped.h>
 #include <semantic_vslam/LabelInfo.h>
 
-#include <atomic>
 #include <memory>
-#include <optional>
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "core/runtime/dense_runner.h"
 #include "ros/conversions.h"
 #include "ros/map_publisher.h"
 #include "ros/motion_input.h"
 #include "ros/parameters.h"
-#include "ros/rgbd_converter.h"
-#include "ros/rgbd_subscriber.h"
-#include "ros/services.h"
 #include "ros/stage_nodelet.h"
 #include "semantic_vslam/core/common/error.h"
 
@@ -53,165 +46,85 @@ struct MappingNodeletConfig {
 
 /// Images and poses of keyframes, motion masks and labels -> mapping/{semantic_cloud, octomap_binary, octomap_full,
 /// projected_map, objects}, and mapping/removed when watched. The maps follow tracking/keyframe_poses.
-class MappingNodelet final : public StageNodelet {
+class MappingTopics {
  public:
-  ~MappingNodelet() override { stop(); }
+  explicit MappingTopics(const NodeletHandles& node);
+  ~MappingTopics() { runner_.close(); }  // nobody waits for anything any more, nor does who waits for the runner
 
  private:
-  void start() override;
-  void stop() override;
-  void run(ros::NodeHandle nh);
-  void subscribe(ros::NodeHandle nh, ros::NodeHandle private_nh);
-  void advertiseServices(ros::NodeHandle private_nh);
-  void report(StageDiagnostics::Status& status);
-  void publish(DenseStage& stage);
+  DenseRunner::Hooks hooks();
   void publishRemoved(const KeyframeInput& input, const cv::Mat1b& removed);
   void save(DenseStage& stage) const;
+  void describe(StageDiagnostics::Status& status);
 
-  MappingNodeletConfig config_;
-  std::optional<MapPublisher> publisher_;   // runner only
-  std::optional<RgbdConverter> converter_;  // runner only
-  std_msgs::Header header_;                 // runner only; of the image in work
-  std::size_t published_ = 0;               // runner only; DenseStage::changes() then
-  ros::SteadyTime next_publication_;        // runner only; not before
-  std::atomic<bool> publication_due_{false};
-  std::atomic<double> publication_s_{0.0};  // what the last one took
-  std::atomic<std::size_t> keyframes_{0}, voxels_{0}, unplaced_{0};
-  ros::Publisher removed_publisher_;
-  std::unique_ptr<StageDiagnostics> diagnostics_;
-  std::unique_ptr<DenseRunner> runner_;
-  // Last, so that callbacks stop before what they use is gone.
-  std::vector<ros::Subscriber> subscribers_;
-  ros::Subscriber labels_;
-  std::unique_ptr<MotionInput> motion_;
-  std::unique_ptr<RgbdSubscriber> input_;
-  Services services_;
-  ros::SteadyTimer publish_timer_;
+  const MappingNodeletConfig config_;
+  const Published motion_runs_, network_runs_;
+  MapPublisher publisher_;
+  ros::Publisher removed_;
+  StageDiagnostics diagnostics_;
+  DenseRunner runner_;
+  NodeInputs inputs_;
 };
 
-void MappingNodelet::start() {
-  ros::NodeHandle nh = getNodeHandle(), private_nh = getPrivateNodeHandle();
-  config_ = loadParameters<MappingNodeletConfig>(private_nh);
+MappingTopics::MappingTopics(const NodeletHandles& node)
+    : config_(loadParameters<MappingNodeletConfig>(node.private_nh)),
+      motion_runs_(node.nh, "motion/mask"),
+      network_runs_(node.nh, "segmentation/labels"),
+      publisher_(node.nh, config_.map_frame, config_.objects),
+      removed_(node.nh.advertise<sensor_msgs::Image>("mapping/removed", 5)),
+      diagnostics_(node, "mapping", config_.budget_ms),
+      runner_(DenseStage(config_.dense, config_.removal), config_.inputs, config_.frames.kept_frames, hooks()),
+      inputs_(node) {
   if (!config_.dense.enabled) {
-    NODELET_INFO("dense.enabled is false: no dense map is made");
+    ROS_INFO("dense.enabled is false: no dense map is made");
     return;
   }
-  diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "mapping", config_.budget_ms);
-  publisher_.emplace(nh, config_.map_frame, config_.objects);
-  converter_.emplace(config_.frames.input);
-  removed_publisher_ = nh.advertise<sensor_msgs::Image>("mapping/removed", 5);
-  run(nh);
-  // Services wait for the worker: they get threads of their own, so that images still come in meanwhile.
-  advertiseServices(getMTPrivateNodeHandle());
-  subscribe(nh, private_nh);
-  diagnostics_->start(nh, {[this] { return input_->missing(); }, [this] { return runner_->counters(); },
-                           [this](StageDiagnostics::Status& status) { report(status); }});
-}
-
-void MappingNodelet::run(ros::NodeHandle nh) {
-  const auto running = [this] { return Running{motion_ && motion_->runs(), labels_.getNumPublishers() > 0}; };
-  runner_ = std::make_unique<DenseRunner>(
-      DenseStage(config_.dense, config_.removal), config_.inputs, config_.frames.kept_frames,
-      DenseRunner::Hooks{running,
-                         [this](const KeyframeInput& input, const cv::Mat1b& removed, StepTime time) {
-                           diagnostics_->record(input.keyframe.stamp, time);
-                           publishRemoved(input, removed);
-                         },
-                         [this](DenseStage& stage) { publish(stage); }});
-  publish_timer_ = nh.createSteadyTimer(ros::WallDuration(config_.publish_period_s), [this](const auto&) {
-    publication_due_ = true;
-    runner_->wake();
+  inputs_.every(config_.publish_period_s, [this] {
+    publisher_.ask();
+    runner_.wake();
   });
-}
-
-void MappingNodelet::subscribe(ros::NodeHandle nh, ros::NodeHandle private_nh) {
-  motion_ = std::make_unique<MotionInput>(
-      nh, [this](Stamp stamp, const MotionResult& motion) { runner_->take(stamp, motion); });
-  labels_ = nh.subscribe<sensor_msgs::Image>(
-      "segmentation/labels", 5, labelsFromRos([this](const FrameLabels& labels) { runner_->take(labels); }));
-  subscribers_.push_back(nh.subscribe<LabelInfo>(
-      "segmentation/label_info", 1, [this](const LabelInfoConstPtr& info) { runner_->take(fromRos(*info)); }));
-  subscribers_.push_back(
-      nh.subscribe<KeyframePoseArray>("tracking/keyframe_poses", 1, [this](const KeyframePoseArrayConstPtr& map) {
-        runner_->take(std::make_shared<const MapSnapshot>(fromRos(*map)));
-      }));
-  // When the worker is far behind keyframes block, but not the thread that takes the images in.
-  subscribers_.push_back(getMTNodeHandle().subscribe<KeyframeStamped>(
-      "tracking/keyframe", 50,
-      [this](const KeyframeStampedConstPtr& keyframe) { runner_->name(noticeFromRos(*keyframe)); }));
-  input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.frames.input, [this](const RgbdMessages& messages) {
-    runner_->offer(converter_->pending(messages, header_));
-  });
-}
-
-void MappingNodelet::advertiseServices(ros::NodeHandle private_nh) {
-  services_.addTrigger(private_nh, "clear", [this] {
-    runner_->run([](DenseStage& stage) { stage.clear(); });
+  inputs_.trigger("clear", [this] {
+    runner_.run([](DenseStage& stage) { stage.clear(); });
     return std::string("the dense map is empty");
   });
-  services_.addTrigger(private_nh, "save", [this] {
-    runner_->run([this](DenseStage& stage) { save(stage); });
+  inputs_.trigger("save", [this] {
+    runner_.run([this](DenseStage& stage) { save(stage); });
     return "cloud.pcd and map.ot saved in " + config_.output_directory;
   });
+  takeMotion(inputs_, [this](Stamp stamp, const MotionResult& motion) { runner_.take(stamp, motion); });
+  inputs_.topic<sensor_msgs::Image>("segmentation/labels", 5,
+                                    [this](const auto& labels) { runner_.take(labelsFromRos(labels)); });
+  inputs_.topic<LabelInfo>("segmentation/label_info", 1, [this](const auto& info) { runner_.take(fromRos(*info)); });
+  inputs_.topic<KeyframePoseArray>("tracking/keyframe_poses", 1, [this](const auto& map) {
+    runner_.take(std::make_shared<const MapSnapshot>(fromRos(*map)));
+  });
+  // When the worker is far behind keyframes wait, but not the thread that takes the images in.
+  inputs_.waitingTopic<KeyframeStamped>("tracking/keyframe", 50,
+                                        [this](const auto& keyframe) { runner_.name(noticeFromRos(*keyframe)); });
+  inputs_.images(config_.frames.input, [this](PendingFrame frame) { runner_.offer(std::move(frame)); });
+  inputs_.report(
+      diagnostics_, [this] { return runner_.counters(); }, [this](auto& status) { describe(status); });
 }
 
-void MappingNodelet::stop() {
-  if (diagnostics_) diagnostics_->stop();
-  if (runner_) runner_->close();  // nobody waits for anything any more, nor does who waits for the runner
-  input_.reset();
-  if (motion_) motion_->shutdown();
-  labels_.shutdown();
-  subscribers_.clear();
-  services_.shutdown();
-  publish_timer_.stop();
-  runner_.reset();
-  motion_.reset();  // which the runner asks
-  diagnostics_.reset();
-  publisher_.reset();
-  removed_publisher_.shutdown();
-}
-
-void MappingNodelet::report(StageDiagnostics::Status& status) {
-  const KeyframeInputs::Counts counts = runner_->counts();
-  diagnostics_->addFault(status, "frames refused", converter_->refused());
-  diagnostics_->addFault(status, "keyframes without images", counts.without_images);
-  status.add("keyframes without mask", counts.without_mask);
-  status.add("keyframes left out for want of labels", counts.unlabelled);
-  status.add("keyframes in the map", keyframes_.load());
-  status.add("keyframes whose place is not known yet", unplaced_.load());
-  status.add("voxels", voxels_.load());
-  status.addf("last publication", "%.2f s", publication_s_.load());
-  if (runner_->waiting() > DenseRunner::kQueue / 2) {
-    status.mergeSummaryf(diagnostic_msgs::DiagnosticStatus::WARN, "%zu keyframes wait to be mapped",
-                         runner_->waiting());
-  }
-}
-
-/// A large map takes seconds to publish: three quarters of the time are left to the keyframes that wait.
-void MappingNodelet::publish(DenseStage& stage) {
-  constexpr int kRestPerWork = 3;
-  unplaced_ = stage.waiting();
-  const ros::SteadyTime begin = ros::SteadyTime::now();
-  if (begin < next_publication_ || !publication_due_.exchange(false)) return;
-  stage.map().work();
-  // During a rebuild the old map is served.
-  if (std::exchange(published_, stage.changes()) != stage.changes()) publisher_->markChanged();
-  keyframes_ = stage.map().keyframes();
-  voxels_ = stage.map().voxels();
-  publisher_->publish(stage.map(), stage.labels());
-  const ros::WallDuration taken = ros::SteadyTime::now() - begin;
-  publication_s_ = taken.toSec();
-  next_publication_ = ros::SteadyTime::now() + taken * kRestPerWork;
+DenseRunner::Hooks MappingTopics::hooks() {
+  return {[this] {
+            return Running{motion_runs_(), network_runs_()};
+          },
+          [this](const KeyframeInput& input, const cv::Mat1b& removed, StepTime time) {
+            diagnostics_.record(input.keyframe.stamp, time);
+            publishRemoved(input, removed);
+          },
+          [this](DenseStage& stage) { publisher_.publish(stage); }};
 }
 
 /// What a keyframe's map leaves out, for who wants to look.
-void MappingNodelet::publishRemoved(const KeyframeInput& input, const cv::Mat1b& removed) {
-  if (removed_publisher_.getNumSubscribers() == 0) return;
+void MappingTopics::publishRemoved(const KeyframeInput& input, const cv::Mat1b& removed) {
+  if (removed_.getNumSubscribers() == 0) return;
   const cv::Mat1b nothing = cv::Mat1b::zeros(input.frame.gray.size());
-  removed_publisher_.publish(toRos(header_, "mono8", removed.empty() ? nothing : removed));
+  removed_.publish(toRos(headerOf(input.frame), "mono8", removed.empty() ? nothing : removed));
 }
 
-void MappingNodelet::save(DenseStage& stage) const {
+void MappingTopics::save(DenseStage& stage) const {
   if (stage.map().keyframes() == 0) {
     throw Error("the dense map is empty; the files in " + config_.output_directory + " are not touched");
   }
@@ -219,6 +132,19 @@ void MappingNodelet::save(DenseStage& stage) const {
   stage.map().saveCloud(config_.output_directory + "/cloud.pcd");
   stage.map().saveOctomap(config_.output_directory + "/map.ot");
 }
+
+void MappingTopics::describe(StageDiagnostics::Status& status) {
+  const KeyframeInputs::Counts counts = runner_.counts();
+  diagnostics_.addFault(status, "keyframes without images", counts.without_images);
+  status.add("keyframes without mask", counts.without_mask);
+  status.add("keyframes left out for want of labels", counts.unlabelled);
+  publisher_.report(status);
+  if (runner_.waiting() > DenseRunner::kQueue / 2) {
+    status.mergeSummaryf(diagnostic_msgs::DiagnosticStatus::WARN, "%zu keyframes wait to be mapped", runner_.waiting());
+  }
+}
+
+using MappingNodelet = StageNodelet<MappingTopics>;
 
 }  // namespace semantic_vslam
 

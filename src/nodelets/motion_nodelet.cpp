@@ -6,18 +6,14 @@
 #include <semantic_vslam/MotionThresholdsConfig.h>
 #include <semantic_vslam/TrackingReport.h>
 
-#include <memory>
+#include <boost/make_shared.hpp>
 #include <mutex>
-#include <optional>
 #include <pluginlib/class_list_macros.hpp>
-#include <vector>
 
 #include "core/motion/flow_colour.h"
 #include "core/runtime/motion_runner.h"
 #include "ros/conversions.h"
 #include "ros/parameters.h"
-#include "ros/rgbd_converter.h"
-#include "ros/rgbd_subscriber.h"
 #include "ros/stage_nodelet.h"
 #include "ros/threshold_server.h"
 
@@ -41,103 +37,76 @@ struct MotionNodeletConfig {
 
 /// Images -> motion/mask (mono8, probability 0..255 that a pixel is on a moving object), motion/flow_image when
 /// watched, motion/report. Labels and keyframe poses, late as they are, count from the next frame on.
-class MotionNodelet final : public StageNodelet {
+class MotionTopics {
  public:
-  ~MotionNodelet() override { stop(); }
+  explicit MotionTopics(const NodeletHandles& node);
 
  private:
-  void start() override;
-  void stop() override;
-  void subscribe(ros::NodeHandle nh, ros::NodeHandle private_nh);
-  void describe(StageDiagnostics::Status& status);
   void publish(const RgbdFrame& frame, const MotionResult& motion, StepTime time);
+  void describe(StageDiagnostics::Status& status);
 
-  MotionNodeletConfig config_;
-  std::optional<RgbdConverter> converter_;  // runner only
-  std_msgs::Header header_;                 // runner only; of the image in work
+  const MotionNodeletConfig config_;
+  ros::Publisher mask_, flow_, report_;
+  StageDiagnostics diagnostics_;
   std::mutex mutex_;
   MotionReport newest_;  // guarded by mutex_
-  ros::Publisher mask_publisher_, flow_publisher_, report_publisher_;
-  std::unique_ptr<StageDiagnostics> diagnostics_;
-  std::unique_ptr<MotionRunner> runner_;
-  // Last, so that callbacks stop before what they use is gone.
-  std::unique_ptr<ThresholdServer<MotionThresholdsConfig, MotionNodeletConfig>> thresholds_;
-  std::vector<ros::Subscriber> subscribers_;
-  std::unique_ptr<RgbdSubscriber> input_;
+  MotionRunner runner_;
+  ThresholdServer<MotionThresholdsConfig, MotionNodeletConfig> thresholds_;
+  NodeInputs inputs_;
 };
 
-void MotionNodelet::start() {
-  ros::NodeHandle nh = getNodeHandle(), private_nh = getPrivateNodeHandle();
-  config_ = loadParameters<MotionNodeletConfig>(private_nh);
-  converter_.emplace(config_.input);
-  mask_publisher_ = nh.advertise<sensor_msgs::Image>("motion/mask", 5);
-  flow_publisher_ = nh.advertise<sensor_msgs::Image>("motion/flow_image", 1);
-  report_publisher_ = nh.advertise<MotionReport>("motion/report", 30);
-  diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "motion", config_.budget_ms);
-  runner_ = std::make_unique<MotionRunner>(
-      MotionStage(config_.motion, config_.removal), config_.input.queue_size,
-      [this](const RgbdFrame& frame, const MotionResult& motion, StepTime time) { publish(frame, motion, time); });
-  subscribe(nh, private_nh);
-  diagnostics_->start(nh, {[this] { return input_->missing(); }, [this] { return runner_->counters(); },
-                           [this](StageDiagnostics::Status& status) { describe(status); }});
-}
-
-void MotionNodelet::subscribe(ros::NodeHandle nh, ros::NodeHandle private_nh) {
-  thresholds_ = std::make_unique<ThresholdServer<MotionThresholdsConfig, MotionNodeletConfig>>(
-      private_nh, config_, [this](const MotionNodeletConfig& accepted) {
-        validateConfig(accepted);
-        runner_->take(accepted.motion);
-        runner_->take(accepted.removal);
-      });
-  subscribers_.push_back(nh.subscribe<LabelInfo>(
-      "segmentation/label_info", 1, [this](const LabelInfoConstPtr& info) { runner_->take(fromRos(*info)); }));
-  subscribers_.push_back(nh.subscribe<sensor_msgs::Image>(
-      "segmentation/labels", 5, labelsFromRos([this](FrameLabels labels) { runner_->take(std::move(labels)); })));
-  subscribers_.push_back(nh.subscribe<KeyframePoseArray>(
-      "tracking/keyframe_poses", 1,
-      [this](const KeyframePoseArrayConstPtr& poses) { runner_->take(fromRos(*poses)); }));
-  subscribers_.push_back(
-      nh.subscribe<TrackingReport>("tracking/state", 10, [this](const TrackingReportConstPtr& report) {
-        if (report->state != TrackingReport::OK) return;
-        runner_->take(TimedPose{fromRos(report->header.stamp), fromRos(report->camera)});
-      }));
-  input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.input, [this](const RgbdMessages& messages) {
-    runner_->push(converter_->pending(messages, header_));
+MotionTopics::MotionTopics(const NodeletHandles& node)
+    : config_(loadParameters<MotionNodeletConfig>(node.private_nh)),
+      mask_(node.nh.advertise<sensor_msgs::Image>("motion/mask", 5)),
+      flow_(node.nh.advertise<sensor_msgs::Image>("motion/flow_image", 1)),
+      report_(node.nh.advertise<MotionReport>("motion/report", 30)),
+      diagnostics_(node, "motion", config_.budget_ms),
+      runner_(MotionStage(config_.motion, config_.removal), config_.input.queue_size,
+              [this](const auto& frame, const auto& motion, StepTime time) { publish(frame, motion, time); }),
+      thresholds_(node.private_nh, config_,
+                  [this](const MotionNodeletConfig& accepted) {
+                    runner_.take(accepted.motion);
+                    runner_.take(accepted.removal);
+                  }),
+      inputs_(node) {
+  inputs_.topic<LabelInfo>("segmentation/label_info", 1, [this](const auto& info) { runner_.take(fromRos(*info)); });
+  inputs_.topic<sensor_msgs::Image>("segmentation/labels", 5,
+                                    [this](const auto& labels) { runner_.take(labelsFromRos(labels)); });
+  inputs_.topic<KeyframePoseArray>("tracking/keyframe_poses", 1,
+                                   [this](const auto& poses) { runner_.take(fromRos(*poses)); });
+  inputs_.topic<TrackingReport>("tracking/state", 10, [this](const auto& report) {
+    if (report->state != TrackingReport::OK) return;
+    runner_.take(TimedPose{fromRos(report->header.stamp), fromRos(report->camera)});
   });
+  inputs_.images(config_.input, [this](PendingFrame frame) { runner_.push(std::move(frame)); });
+  inputs_.report(
+      diagnostics_, [this] { return runner_.counters(); }, [this](auto& status) { describe(status); });
 }
 
-void MotionNodelet::stop() {
-  if (diagnostics_) diagnostics_->stop();
-  input_.reset();
-  subscribers_.clear();
-  thresholds_.reset();
-  runner_.reset();
-  diagnostics_.reset();
-  for (ros::Publisher* publisher : {&mask_publisher_, &flow_publisher_, &report_publisher_}) publisher->shutdown();
+void MotionTopics::publish(const RgbdFrame& frame, const MotionResult& motion, StepTime time) {
+  const std_msgs::Header header = headerOf(frame);
+  const auto report = boost::make_shared<MotionReport>(toRos(header, motion));
+  report->cpu_ms = static_cast<float>(time.cpu_ms);
+  report_.publish(report);
+  mask_.publish(toRos(header, "mono8", motion.dynamic));
+  if (flow_.getNumSubscribers() > 0 && !motion.flow_px.empty()) {
+    flow_.publish(toRos(header, "bgr8", flowPicture(motion.flow_px)));
+  }
+  diagnostics_.record(frame.stamp, time);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  newest_ = *report;
 }
 
-void MotionNodelet::describe(StageDiagnostics::Status& status) {
-  diagnostics_->addFault(status, "frames refused", converter_->refused());
-  status.add("label images used", runner_->labelsTaken());
-  status.add("label images too late", runner_->labelsTooLate());
-  std::lock_guard<std::mutex> lock(mutex_);
+void MotionTopics::describe(StageDiagnostics::Status& status) {
+  status.add("label images used", runner_.labelsTaken());
+  status.add("label images too late", runner_.labelsTooLate());
+  const std::lock_guard<std::mutex> lock(mutex_);
   status.add("model", motionModelName(static_cast<MotionModel>(newest_.model)));
   status.add("inliers", newest_.inliers);
   status.add("dynamic share", newest_.dynamic_share);
 }
 
-void MotionNodelet::publish(const RgbdFrame& frame, const MotionResult& motion, StepTime time) {
-  auto report = boost::make_shared<MotionReport>(toRos(header_, motion));
-  report->cpu_ms = static_cast<float>(time.cpu_ms);
-  report_publisher_.publish(report);
-  mask_publisher_.publish(toRos(header_, "mono8", motion.dynamic));
-  if (flow_publisher_.getNumSubscribers() > 0 && !motion.flow_px.empty()) {
-    flow_publisher_.publish(toRos(header_, "bgr8", flowPicture(motion.flow_px)));
-  }
-  diagnostics_->record(frame.stamp, time);
-  std::lock_guard<std::mutex> lock(mutex_);
-  newest_ = *report;
-}
+using MotionNodelet = StageNodelet<MotionTopics>;
 
 }  // namespace semantic_vslam
 

@@ -6,18 +6,12 @@
 #include <std_msgs/Header.h>
 
 #include <atomic>
-#include <memory>
-#include <optional>
 #include <pluginlib/class_list_macros.hpp>
-#include <string>
-#include <vector>
 
 #include "core/runtime/label_runner.h"
 #include "core/segmentation/label_picture.h"
 #include "ros/conversions.h"
 #include "ros/parameters.h"
-#include "ros/rgbd_converter.h"
-#include "ros/rgbd_subscriber.h"
 #include "ros/stage_nodelet.h"
 #include "semantic_vslam/core/common/error.h"
 
@@ -38,112 +32,88 @@ struct SegmentationNodeletConfig {
 };
 
 /// Images of keyframes, and of what tracking/labels_wanted names -> segmentation/labels (mono8, index into label_info),
-/// segmentation/label_info (latched), segmentation/overlay when watched.
-class SegmentationNodelet final : public StageNodelet {
+/// segmentation/label_info (latched), segmentation/overlay when watched. Without a network label_info holds the
+/// background alone, which says that nobody labels, and no image is taken in.
+class SegmentationTopics {
  public:
-  ~SegmentationNodelet() override { stop(); }
+  explicit SegmentationTopics(const NodeletHandles& node);
 
  private:
-  void start() override;
-  void stop() override;
-  std::optional<LabelStage> openNetwork();
-  void run(LabelStage stage, ros::NodeHandle nh, ros::NodeHandle private_nh);
-  std::string problem() const;
-  void report(StageDiagnostics::Status& status);
-  void publish(const RgbdFrame& frame, const FrameLabels& labels);
+  LabelStage openNetwork();
+  void takeImages();
+  void publish(const RgbdFrame& frame, const FrameLabels& labels, StepTime time);
+  void describe(StageDiagnostics::Status& status);
 
-  SegmentationNodeletConfig config_;
+  const SegmentationNodeletConfig config_;
   std::atomic<bool> network_failed_{false};
-  std::optional<RgbdConverter> converter_;  // runner only
-  std_msgs::Header header_;                 // runner only; of the image in work
-  ros::Publisher labels_publisher_, info_publisher_, overlay_publisher_;
-  std::unique_ptr<StageDiagnostics> diagnostics_;
-  std::unique_ptr<LabelRunner> runner_;
-  // Last, so that callbacks stop before what they use is gone.
-  std::vector<ros::Subscriber> subscribers_;
-  std::unique_ptr<RgbdSubscriber> input_;
+  ros::Publisher labels_, info_, overlay_;
+  StageDiagnostics diagnostics_;
+  LabelRunner runner_;
+  NodeInputs inputs_;
 };
 
-void SegmentationNodelet::start() {
-  ros::NodeHandle nh = getNodeHandle(), private_nh = getPrivateNodeHandle();
-  config_ = loadParameters<SegmentationNodeletConfig>(private_nh);
-  std::optional<LabelStage> stage = openNetwork();
-  info_publisher_ = nh.advertise<LabelInfo>("segmentation/label_info", 1, true);
-  info_publisher_.publish(toRos(stage ? stage->labels() : LabelSet()));  // the background alone: nobody labels
-  if (!stage && !network_failed_) return;
-  diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "segmentation", config_.budget_ms);
-  if (stage) run(std::move(*stage), nh, private_nh);
-  diagnostics_->start(nh,
-                      {[this] { return problem(); }, [this] { return runner_ ? runner_->counters() : QueueCounters(); },
-                       [this](StageDiagnostics::Status& status) { report(status); }});
+SegmentationTopics::SegmentationTopics(const NodeletHandles& node)
+    : config_(loadParameters<SegmentationNodeletConfig>(node.private_nh)),
+      info_(node.nh.advertise<LabelInfo>("segmentation/label_info", 1, true)),
+      diagnostics_(node, "segmentation", config_.budget_ms),
+      runner_(
+          openNetwork(), config_.frames.kept_frames,
+          [this](const auto& frame, const auto& labels, StepTime time) { publish(frame, labels, time); },
+          [this] {
+            network_failed_ = true;
+            labels_.shutdown();  // so that nobody waits for labels any more
+          }),
+      inputs_(node) {
+  info_.publish(toRos(runner_.labels()));
+  if (runner_.enabled()) {
+    labels_ = node.nh.advertise<sensor_msgs::Image>("segmentation/labels", 5);
+    overlay_ = node.nh.advertise<sensor_msgs::Image>("segmentation/overlay", 1);
+    takeImages();
+  } else if (!network_failed_) {
+    return;
+  }
+  inputs_.report(
+      diagnostics_, [this] { return runner_.counters(); }, [this](auto& status) { describe(status); });
 }
 
 /// A network that does not load costs the labels, not the robot: everything else goes on with motion detection.
-std::optional<LabelStage> SegmentationNodelet::openNetwork() {
+LabelStage SegmentationTopics::openNetwork() {
   try {
-    LabelStage stage(config_.segmentation);
-    if (stage.enabled()) return stage;  // else no model is configured; the stage has said so
+    return LabelStage(config_.segmentation);
   } catch (const ModelError& error) {
-    NODELET_ERROR("%s; going on without labels", error.what());
+    ROS_ERROR("%s; going on without labels", error.what());
     network_failed_ = true;
-  }
-  return std::nullopt;
-}
-
-void SegmentationNodelet::run(LabelStage stage, ros::NodeHandle nh, ros::NodeHandle private_nh) {
-  labels_publisher_ = nh.advertise<sensor_msgs::Image>("segmentation/labels", 5);
-  overlay_publisher_ = nh.advertise<sensor_msgs::Image>("segmentation/overlay", 1);
-  converter_.emplace(config_.frames.input);
-  runner_ = std::make_unique<LabelRunner>(
-      std::move(stage), config_.frames.kept_frames,
-      [this](const RgbdFrame& frame, const FrameLabels& labels, StepTime time) {
-        publish(frame, labels);
-        diagnostics_->record(frame.stamp, time);
-      },
-      [this] {
-        network_failed_ = true;
-        labels_publisher_.shutdown();  // so that nobody waits for labels any more
-      });
-  subscribers_.push_back(nh.subscribe<KeyframeStamped>(
-      "tracking/keyframe", 10,
-      [this](const KeyframeStampedConstPtr& keyframe) { runner_->ask(fromRos(keyframe->header.stamp)); }));
-  subscribers_.push_back(nh.subscribe<std_msgs::Header>(
-      "tracking/labels_wanted", 1,
-      [this](const std_msgs::HeaderConstPtr& image) { runner_->ask(fromRos(image->stamp)); }));
-  subscribers_.push_back(nh.subscribe<KeyframePoseArray>(
-      "tracking/keyframe_poses", 1, [this](const KeyframePoseArrayConstPtr& map) { runner_->take(fromRos(*map)); }));
-  input_ = std::make_unique<RgbdSubscriber>(nh, private_nh, config_.frames.input, [this](const RgbdMessages& messages) {
-    runner_->offer(converter_->pending(messages, header_));
-  });
-}
-
-void SegmentationNodelet::stop() {
-  subscribers_.clear();
-  if (diagnostics_) diagnostics_->stop();
-  if (runner_) runner_->close();
-  input_.reset();
-  runner_.reset();
-  diagnostics_.reset();
-  for (ros::Publisher* publisher : {&labels_publisher_, &info_publisher_, &overlay_publisher_}) publisher->shutdown();
-}
-
-std::string SegmentationNodelet::problem() const {
-  if (network_failed_) return "the network failed: there are no labels";
-  return input_ ? input_->missing() : std::string();
-}
-
-void SegmentationNodelet::report(StageDiagnostics::Status& status) {
-  if (!runner_) return;
-  diagnostics_->addFault(status, "frames refused", converter_->refused());
-  diagnostics_->addFault(status, "keyframes without images", runner_->withoutImages());
-}
-
-void SegmentationNodelet::publish(const RgbdFrame& frame, const FrameLabels& labels) {
-  labels_publisher_.publish(toRos(header_, "mono8", labels.labels));
-  if (overlay_publisher_.getNumSubscribers() > 0) {
-    overlay_publisher_.publish(toRos(header_, "bgr8", drawLabels(frame.bgr, labels.labels, runner_->labels())));
+    return LabelStage(config_.segmentation, nullptr);
   }
 }
+
+void SegmentationTopics::takeImages() {
+  inputs_.topic<KeyframeStamped>("tracking/keyframe", 10,
+                                 [this](const auto& keyframe) { runner_.ask(fromRos(keyframe->header.stamp)); });
+  inputs_.topic<std_msgs::Header>("tracking/labels_wanted", 1,
+                                  [this](const auto& image) { runner_.ask(fromRos(image->stamp)); });
+  inputs_.topic<KeyframePoseArray>("tracking/keyframe_poses", 1,
+                                   [this](const auto& map) { runner_.take(fromRos(*map)); });
+  inputs_.images(config_.frames.input, [this](PendingFrame frame) { runner_.offer(std::move(frame)); });
+}
+
+void SegmentationTopics::publish(const RgbdFrame& frame, const FrameLabels& labels, StepTime time) {
+  const std_msgs::Header header = headerOf(frame);
+  labels_.publish(toRos(header, "mono8", labels.labels));
+  if (overlay_.getNumSubscribers() > 0) {
+    overlay_.publish(toRos(header, "bgr8", drawLabels(frame.bgr, labels.labels, runner_.labels())));
+  }
+  diagnostics_.record(frame.stamp, time);
+}
+
+void SegmentationTopics::describe(StageDiagnostics::Status& status) {
+  if (network_failed_) {
+    status.mergeSummary(diagnostic_msgs::DiagnosticStatus::ERROR, "the network failed: there are no labels");
+  }
+  diagnostics_.addFault(status, "keyframes without images", runner_.withoutImages());
+}
+
+using SegmentationNodelet = StageNodelet<SegmentationTopics>;
 
 }  // namespace semantic_vslam
 

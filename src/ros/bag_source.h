@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "core/io/broken_frames.h"
+#include "core/io/frame_source.h"
 #include "ros/recording_topics.h"
-#include "semantic_vslam/core/io/frame_source.h"
 
 namespace semantic_vslam {
 

@@ -3,7 +3,6 @@
 #include "ros/conversions.h"
 
 #include <cv_bridge/cv_bridge.h>
-#include <ros/console.h>
 #include <sensor_msgs/distortion_models.h>
 #include <sensor_msgs/image_encodings.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
@@ -19,9 +18,45 @@ namespace {
 
 namespace encodings = sensor_msgs::image_encodings;
 
-cv_bridge::CvImageConstPtr share(const sensor_msgs::ImageConstPtr& message, const std::string& encoding) {
+/// Lets an image live as long as the message whose memory it shows, so that neither is copied.
+class MessageMemory final : public cv::MatAllocator {
+ public:
+  static void own(cv::Mat& image, const sensor_msgs::ImageConstPtr& message) {
+    static const MessageMemory memory;
+    auto* data = new cv::UMatData(&memory);
+    data->data = data->origdata = image.data;
+    data->size = image.total() * image.elemSize();
+    data->userdata = new sensor_msgs::ImageConstPtr(message);
+    image.u = data;
+    image.addref();
+  }
+
+ private:
+  cv::UMatData* allocate(int dims, const int* sizes, int type, void* data, std::size_t* step, cv::AccessFlag access,
+                         cv::UMatUsageFlags usage) const override {
+    return cv::Mat::getStdAllocator()->allocate(dims, sizes, type, data, step, access, usage);
+  }
+  bool allocate(cv::UMatData* data, cv::AccessFlag access, cv::UMatUsageFlags usage) const override {
+    return cv::Mat::getStdAllocator()->allocate(data, access, usage);
+  }
+  void deallocate(cv::UMatData* data) const override {
+    delete static_cast<sensor_msgs::ImageConstPtr*>(data->userdata);
+    delete data;
+  }
+};
+
+/// The image in an encoding; where it has that already, in the message's own memory.
+cv::Mat share(const sensor_msgs::ImageConstPtr& message, const std::string& encoding) {
+  const std::uint64_t bytes = std::uint64_t{message->step} * message->height;  // cv_bridge reckons with 32 bits
+  if (bytes != message->data.size() || bytes == 0) {
+    throw Error("image of " + std::to_string(message->width) + "x" + std::to_string(message->height) + " and step " +
+                std::to_string(message->step) + " has " + std::to_string(message->data.size()) +
+                " bytes; the driver must fill height x step");
+  }
   try {
-    return cv_bridge::toCvShare(message, encoding);
+    cv::Mat image = cv_bridge::toCvShare(message, encoding)->image;
+    if (!image.u) MessageMemory::own(image, message);
+    return image;
   } catch (const cv_bridge::Exception& error) {
     throw Error(std::string("image cannot be read: ") + error.what());
   }
@@ -159,8 +194,8 @@ boost::array<double, 36> bodyCovariance(const Matrix6d& covariance, const SE3& T
 
 CameraIntrinsics fromRos(const sensor_msgs::CameraInfo& info, bool rectified) {
   CameraIntrinsics k;
-  k.width = static_cast<int>(info.width);
-  k.height = static_cast<int>(info.height);
+  k.width = cv::saturate_cast<int>(info.width);
+  k.height = cv::saturate_cast<int>(info.height);
   if (rectified) {
     k.fx = info.P[0], k.fy = info.P[5], k.cx = info.P[2], k.cy = info.P[6];
   } else {
@@ -176,9 +211,9 @@ CameraIntrinsics fromRos(const sensor_msgs::CameraInfo& info, bool rectified) {
 
 cv::Mat colourFromRos(const sensor_msgs::ImageConstPtr& message) {
   const std::string& encoding = message->encoding;
-  if (encoding == encodings::BGR8 || encoding == encodings::MONO8) return share(message, encoding)->image.clone();
+  if (encoding == encodings::BGR8 || encoding == encodings::MONO8) return share(message, encoding);
   if (encoding == encodings::RGB8 || encoding == encodings::RGBA8 || encoding == encodings::BGRA8) {
-    return share(message, encodings::BGR8)->image;  // converted, hence a buffer of its own
+    return share(message, encodings::BGR8);  // converted
   }
   refuseEncoding("colour", *message, "rgb8, bgr8, rgba8, bgra8 or mono8");
 }
@@ -188,13 +223,13 @@ cv::Mat depthFromRos(const sensor_msgs::ImageConstPtr& message) {
   if (encoding != encodings::TYPE_32FC1 && encoding != encodings::TYPE_16UC1) {
     refuseEncoding("depth", *message, "32FC1 (metres) or 16UC1 (millimetres)");
   }
-  return share(message, encoding)->image;
+  return share(message, encoding);
 }
 
 cv::Mat1b maskFromRos(const sensor_msgs::ImageConstPtr& message) {
   const std::string& encoding = message->encoding;
   if (encoding != encodings::MONO8 && encoding != encodings::TYPE_8UC1) refuseEncoding("mask", *message, "mono8");
-  return share(message, encoding)->image.clone();
+  return share(message, encoding);
 }
 
 sensor_msgs::ImagePtr toRos(const std_msgs::Header& header, const std::string& encoding, const cv::Mat& image) {
@@ -241,14 +276,14 @@ MapSnapshot fromRos(const KeyframePoseArray& message) {
   return map;
 }
 
-MotionResult fromRos(const MotionReport& report) {
+MotionResult fromRos(const MotionReportConstPtr& report) {
   MotionResult motion;
-  motion.model = static_cast<MotionModel>(report.model);
-  motion.inliers = static_cast<int>(report.inliers);
-  motion.dynamic_share = report.dynamic_share;
-  if (!report.labels.isZero()) motion.labels = fromRos(report.labels);
-  if (report.moving.data.empty()) return motion;
-  motion.moving = maskFromRos(boost::make_shared<sensor_msgs::Image>(report.moving));
+  motion.model = static_cast<MotionModel>(report->model);
+  motion.inliers = static_cast<int>(report->inliers);
+  motion.dynamic_share = report->dynamic_share;
+  if (!report->labels.isZero()) motion.labels = fromRos(report->labels);
+  if (report->moving.data.empty()) return motion;
+  motion.moving = maskFromRos(sensor_msgs::ImageConstPtr(report, &report->moving));
   return motion;
 }
 
@@ -261,7 +296,7 @@ MotionReport toRos(const std_msgs::Header& header, const MotionResult& motion) {
   report.inliers = static_cast<std::uint32_t>(motion.inliers);
   report.dynamic_share = static_cast<float>(motion.dynamic_share);
   if (motion.labels) report.labels = toRos(*motion.labels);
-  if (!motion.moving.empty()) report.moving = *toRos(header, "mono8", motion.moving);
+  if (!motion.moving.empty()) cv_bridge::CvImage(header, "mono8", motion.moving).toImageMsg(report.moving);
   return report;
 }
 
@@ -269,14 +304,15 @@ KeyframeNotice noticeFromRos(const KeyframeStamped& message) {
   return {KeyframeId(message.id), message.map_id, fromRos(message.header.stamp)};
 }
 
-boost::function<void(const sensor_msgs::ImageConstPtr&)> labelsFromRos(std::function<void(FrameLabels)> sink) {
-  return [sink = std::move(sink)](const sensor_msgs::ImageConstPtr& message) {
-    try {
-      sink({fromRos(message->header.stamp), maskFromRos(message)});
-    } catch (const Error& error) {
-      ROS_ERROR_THROTTLE(5.0, "labels refused: %s", error.what());
-    }
-  };
+FrameLabels labelsFromRos(const sensor_msgs::ImageConstPtr& message) {
+  return {fromRos(message->header.stamp), maskFromRos(message)};
+}
+
+std_msgs::Header headerOf(const RgbdFrame& frame) {
+  std_msgs::Header header;
+  header.stamp = toRos(frame.stamp);
+  header.frame_id = frame.sensor_frame;
+  return header;
 }
 
 KeyframeStamped toRos(const KeyframePose& pose, const std::string& map_frame, std::uint32_t map_id) {

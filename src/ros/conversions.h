@@ -18,9 +18,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <boost/array.hpp>
-#include <boost/function.hpp>
 #include <cstdint>
-#include <functional>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -29,11 +27,11 @@
 #include "core/dense/map_objects.h"
 #include "core/dense/occupancy_grid.h"
 #include "core/dense/octomap_export.h"
-#include "semantic_vslam/core/camera/camera_model.h"
+#include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/common/label_set.h"
 #include "semantic_vslam/core/common/stamp.h"
 #include "semantic_vslam/core/geometry/se3.h"
-#include "semantic_vslam/core/map/keyframe_pose.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
 #include "semantic_vslam/core/motion/motion_result.h"
 #include "semantic_vslam/core/pipeline/messages.h"
 
@@ -66,18 +64,20 @@ boost::array<double, 36> bodyCovariance(const Matrix6d& covariance, const SE3& T
 /// @throws Error if the camera is uncalibrated or its distortion model is not plumb_bob.
 CameraIntrinsics fromRos(const sensor_msgs::CameraInfo& info, bool rectified);
 
-/// Copies a colour or gray image. @param message bgr8, rgb8, bgra8, rgba8 or mono8. @return 8UC3 BGR or 8UC1.
+// An image that needs no conversion is not copied: it shows the message's memory, keeps the message alive, and must not
+// be written to.
+
+/// @param message bgr8, rgb8, bgra8, rgba8 or mono8. @return 8UC3 BGR or 8UC1.
 /// @throws Error naming the encoding, or what is wrong with the image.
 cv::Mat colourFromRos(const sensor_msgs::ImageConstPtr& message);
 
 constexpr double kMetresPerMillimetre = 0.001;  ///< REP 118: 16UC1 depth is in millimetres
 
-/// Views a depth image: the result reads the message's memory and must not outlive it.
 /// @param message 32FC1 (metres) or 16UC1 (millimetres), REP 118.
 /// @throws Error naming the encoding, or what is wrong with the image.
 cv::Mat depthFromRos(const sensor_msgs::ImageConstPtr& message);
 
-/// Copies a mask or label image. @param message mono8 or 8UC1.
+/// @param message mono8 or 8UC1: a mask or labels.
 /// @throws Error naming the encoding, or what is wrong with the image.
 cv::Mat1b maskFromRos(const sensor_msgs::ImageConstPtr& message);
 
@@ -90,10 +90,12 @@ LabelInfo toRos(const LabelSet& labels);
 KeyframePose fromRos(const KeyframeStamped& message);
 KeyframeNotice noticeFromRos(const KeyframeStamped& message);
 /// All but the mask, which has a topic of its own. @throws Error if `moving` is no image
-MotionResult fromRos(const MotionReport& report);
+MotionResult fromRos(const MotionReportConstPtr& report);
 MotionReport toRos(const std_msgs::Header& header, const MotionResult& motion);
-/// A callback for a topic of label images; what is no such image is said in the log.
-boost::function<void(const sensor_msgs::ImageConstPtr&)> labelsFromRos(std::function<void(FrameLabels)> sink);
+/// @throws Error, see maskFromRos
+FrameLabels labelsFromRos(const sensor_msgs::ImageConstPtr& message);
+/// Of what is published of a frame.
+std_msgs::Header headerOf(const RgbdFrame& frame);
 MapSnapshot fromRos(const KeyframePoseArray& message);
 KeyframeStamped toRos(const KeyframePose& pose, const std::string& map_frame, std::uint32_t map_id);
 

@@ -47,11 +47,34 @@ const std::vector<LabelledPoint>& MapPublisher::Source::cloud() {
   return *points;
 }
 
-void MapPublisher::markChanged() {
-  for (Topic& topic : topics_) topic.changed = true;
+/// A large map takes seconds to publish: three quarters of the time are left to the keyframes that wait.
+void MapPublisher::publish(DenseStage& stage) {
+  constexpr int kRestPerWork = 3;
+  unplaced_ = stage.waiting();
+  culled_ = stage.culled();
+  const ros::SteadyTime begin = ros::SteadyTime::now();
+  if (begin < next_publication_ || !asked_.exchange(false)) return;
+  stage.map().work();
+  if (std::exchange(published_, stage.changes()) != stage.changes()) {  // during a rebuild the old map is served
+    for (Topic& topic : topics_) topic.changed = true;
+  }
+  keyframes_ = stage.map().keyframes();
+  voxels_ = stage.map().voxels();
+  publishTopics(stage.map(), stage.labels());
+  const ros::WallDuration taken = ros::SteadyTime::now() - begin;
+  taken_s_ = taken.toSec();
+  next_publication_ = ros::SteadyTime::now() + taken * kRestPerWork;
 }
 
-void MapPublisher::publish(const DenseMapper& map, const LabelSet& labels) {
+void MapPublisher::report(StageDiagnostics::Status& status) const {
+  status.add("keyframes in the map", keyframes_.load());
+  status.add("keyframes whose place is not known yet", unplaced_.load());
+  status.add("keyframes dropped before they were mapped", culled_.load());
+  status.add("voxels", voxels_.load());
+  status.addf("last publication", "%.2f s", taken_s_.load());
+}
+
+void MapPublisher::publishTopics(const DenseMapper& map, const LabelSet& labels) {
   Source source{map, labels, {}, {}};
   source.header.stamp = ros::Time::now();
   source.header.frame_id = map_frame_;

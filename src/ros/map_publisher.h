@@ -15,21 +15,25 @@
 
 #include "core/dense/dense_mapper.h"
 #include "core/dense/map_objects.h"
-#include "semantic_vslam/core/common/label_set.h"
+#include "core/pipeline/dense_stage.h"
+#include "ros/stage_diagnostics.h"
 
 namespace semantic_vslam {
 
-/// Publishes the dense map: mapping/{semantic_cloud, octomap_binary, octomap_full, projected_map, objects}. One thread
-/// makes all calls. Who subscribes gets the map as it is at the next publish(): a latched message might be hours old.
+/// Publishes the dense map: mapping/{semantic_cloud, octomap_binary, octomap_full, projected_map, objects}. Who
+/// subscribes gets the map as it is at the next publication: a latched message might be hours old.
 class MapPublisher {
  public:
   /// @param map_frame  frame_id of the maps; its z is up
   MapPublisher(ros::NodeHandle nh, std::string map_frame, const MapObjectsConfig& objects);
 
-  /// The map is newer than what was published.
-  void markChanged();
-  /// Publishes what is watched and has changed, or has a new subscriber. What nobody watches is not made.
-  void publish(const DenseMapper& map, const LabelSet& labels);
+  /// The next publish() is to publish. From any thread.
+  void ask() { asked_ = true; }
+  /// Publishes, if asked and rested, what is watched and has changed, or has a new subscriber. What nobody watches is
+  /// not made. One thread.
+  void publish(DenseStage& stage);
+  /// Adds how large the map was at the last publication, from any thread.
+  void report(StageDiagnostics::Status& status) const;
 
  private:
   /// The map, with what more than one topic shows of it.
@@ -50,9 +54,15 @@ class MapPublisher {
 
   template <class Message>
   void advertise(ros::NodeHandle& nh, const std::string& topic, Publish publish);
+  void publishTopics(const DenseMapper& map, const LabelSet& labels);
 
   const std::string map_frame_;
   std::list<Topic> topics_;  // their addresses stay
+  std::atomic<bool> asked_{false};
+  std::size_t published_ = 0;         // DenseStage::changes() then
+  ros::SteadyTime next_publication_;  // not before
+  std::atomic<double> taken_s_{0.0};
+  std::atomic<std::size_t> keyframes_{0}, voxels_{0}, unplaced_{0}, culled_{0};
 };
 
 }  // namespace semantic_vslam

@@ -2,65 +2,56 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ros/motion_input.h"
 
-#include <ros/console.h>
+#include <semantic_vslam/MotionReport.h>
+#include <sensor_msgs/Image.h>
 
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 
+#include "core/common/stamped_store.h"
 #include "ros/conversions.h"
-#include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
+namespace {
 
-MotionInput::MotionInput(ros::NodeHandle nh, std::function<void(Stamp, const MotionResult&)> sink)
-    : sink_(std::move(sink)) {
-  report_subscriber_ = nh.subscribe("motion/report", 10, &MotionInput::onReport, this);
-  mask_subscriber_ = nh.subscribe("motion/mask", 10, &MotionInput::onMask, this);
-}
+/// Mask and report of a frame come on topics of their own, in no fixed order.
+struct Halves {
+  std::mutex mutex;
+  StampedStore<cv::Mat1b> masks{30};               // guarded by mutex
+  StampedStore<MotionReportConstPtr> reports{30};  // guarded by mutex
 
-void MotionInput::onMask(const sensor_msgs::ImageConstPtr& message) {
-  const Stamp stamp = fromRos(message->header.stamp);
-  try {
-    std::lock_guard<std::mutex> lock(mutex_);
-    masks_.put(stamp, maskFromRos(message));
-  } catch (const Error& error) {
-    ROS_ERROR_THROTTLE(5.0, "mask refused: %s", error.what());
-    return;
-  }
-  passOn(stamp);
-}
-
-void MotionInput::onReport(const MotionReportConstPtr& message) {
-  const Stamp stamp = fromRos(message->header.stamp);
-  {
-    std::lock_guard<std::mutex> lock(mutex_);
-    reports_.put(stamp, message);
-  }
-  passOn(stamp);
-}
-
-/// Each comes on a topic of its own, in no fixed order.
-void MotionInput::passOn(Stamp stamp) {
-  std::optional<MotionReportConstPtr> report;
-  std::optional<cv::Mat1b> mask;
-  {
-    std::lock_guard<std::mutex> lock(mutex_);
-    report = reports_.find(stamp);
-    mask = masks_.find(stamp);
-  }
-  if (!report || !mask) return;
-  try {
-    MotionResult motion = fromRos(**report);
+  std::optional<MotionResult> whole(Stamp stamp) const {
+    const std::optional<MotionReportConstPtr> report = reports.find(stamp);
+    const std::optional<cv::Mat1b> mask = masks.find(stamp);
+    if (!report || !mask) return std::nullopt;
+    MotionResult motion = fromRos(*report);
     motion.dynamic = *mask;
-    sink_(stamp, motion);
-  } catch (const Error& error) {
-    ROS_ERROR_THROTTLE(5.0, "motion report refused: %s", error.what());
+    return motion;
   }
-}
+};
 
-void MotionInput::shutdown() {
-  mask_subscriber_.shutdown();
-  report_subscriber_.shutdown();
+}  // namespace
+
+void takeMotion(NodeInputs& inputs, std::function<void(Stamp, const MotionResult&)> sink) {
+  const auto take = [halves = std::make_shared<Halves>(), sink = std::move(sink)](Stamp stamp, const auto& put) {
+    std::optional<MotionResult> motion;
+    {
+      const std::lock_guard<std::mutex> lock(halves->mutex);
+      put(*halves);
+      motion = halves->whole(stamp);
+    }
+    if (motion) sink(stamp, *motion);
+  };
+  inputs.topic<MotionReport>("motion/report", 10, [take](const MotionReportConstPtr& report) {
+    const Stamp stamp = fromRos(report->header.stamp);
+    take(stamp, [&](Halves& halves) { halves.reports.put(stamp, report); });
+  });
+  inputs.topic<sensor_msgs::Image>("motion/mask", 10, [take](const sensor_msgs::ImageConstPtr& mask) {
+    const Stamp stamp = fromRos(mask->header.stamp);
+    take(stamp, [&](Halves& halves) { halves.masks.put(stamp, maskFromRos(mask)); });
+  });
 }
 
 }  // namespace semantic_vslam

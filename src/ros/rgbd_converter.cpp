@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ros/rgbd_converter.h"
 
-#include <ros/console.h>
+#include <algorithm>
+#include <boost/weak_ptr.hpp>
+#include <map>
+#include <utility>
 
 #include "ros/conversions.h"
 #include "semantic_vslam/core/common/error.h"
@@ -15,38 +18,97 @@ bool sameCamera(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo&
          a.distortion_model == b.distortion_model;
 }
 
+void requireSize(const char* what, const sensor_msgs::Image& image, const CameraModel& camera) {
+  constexpr int kLeastSidePx = 32;  // a feature's patch has 31 px
+  const auto size = [](auto width, auto height) { return std::to_string(width) + "x" + std::to_string(height); };
+  if (std::min(camera.width(), camera.height()) < kLeastSidePx) {
+    throw Error("the camera has " + size(camera.width(), camera.height()) + " px, each side needs " +
+                std::to_string(kLeastSidePx) + "; give images and camera_info of a larger size");
+  }
+  if (image.width == static_cast<std::uint32_t>(camera.width()) &&
+      image.height == static_cast<std::uint32_t>(camera.height())) {
+    return;
+  }
+  throw Error(std::string(what) + " image is " + size(image.width, image.height) + " but the camera model says " +
+              size(camera.width(), camera.height()) +
+              "; give the camera_info that belongs to it, and depth registered to colour (align_depth:=true)");
+}
+
 }  // namespace
 
-RgbdConverter::RgbdConverter(const RgbdInputConfig& config) : rectified_(config.rectified) {
-  if (!config.camera_file.empty()) camera_ = std::make_shared<CameraModel>(loadCameraFile(config.camera_file));
+struct RgbdConverter::Conversion {
+  explicit Conversion(const RgbdMessages& pair) : messages(pair), rgb(pair.rgb), depth(pair.depth) {}
+
+  std::mutex mutex;
+  RgbdMessages messages;                                 // guarded by mutex; let go once converted
+  bool done = false;                                     // guarded by mutex
+  std::optional<RgbdFrame> frame;                        // guarded by mutex
+  boost::weak_ptr<const sensor_msgs::Image> rgb, depth;  // to know the pair by
+};
+
+RgbdConverter::RgbdConverter(const std::string& camera_file, bool rectified) : rectified_(rectified) {
+  if (!camera_file.empty()) camera_ = std::make_shared<CameraModel>(loadCameraFile(camera_file));
 }
 
-std::shared_ptr<const CameraModel> RgbdConverter::cameraFor(const RgbdMessages& messages) {
-  if (!messages.info) return camera_;
+std::shared_ptr<RgbdConverter> RgbdConverter::of(const std::string& topics, const std::string& camera_file,
+                                                 bool rectified) {
+  static std::mutex mutex;
+  static std::map<std::string, std::weak_ptr<RgbdConverter>> converters;
+  const std::lock_guard<std::mutex> lock(mutex);
+  std::weak_ptr<RgbdConverter>& known = converters[topics + "\n" + camera_file + (rectified ? "\nP" : "\nK")];
+  std::shared_ptr<RgbdConverter> converter = known.lock();
+  if (!converter) known = converter = std::make_shared<RgbdConverter>(camera_file, rectified);
+  return converter;
+}
+
+PendingFrame RgbdConverter::pending(const RgbdMessages& messages) {
+  const auto decode = [self = shared_from_this(), index = messages.index, conversion = conversionOf(messages)] {
+    const std::lock_guard<std::mutex> lock(conversion->mutex);
+    if (!conversion->done) self->convert(*conversion);
+    std::optional<RgbdFrame> frame = conversion->frame;
+    if (frame) frame->index = index;
+    return frame;
+  };
+  return {fromRos(messages.rgb->header.stamp), messages.recording, decode};
+}
+
+std::shared_ptr<RgbdConverter::Conversion> RgbdConverter::conversionOf(const RgbdMessages& messages) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::shared_ptr<Conversion> found;
+  const auto useless = [&](const std::weak_ptr<Conversion>& known) {
+    const std::shared_ptr<Conversion> conversion = known.lock();
+    if (!conversion) return true;
+    if (conversion->rgb.lock() == messages.rgb && conversion->depth.lock() == messages.depth) found = conversion;
+    return false;
+  };
+  conversions_.erase(std::remove_if(conversions_.begin(), conversions_.end(), useless), conversions_.end());
+  if (!found) conversions_.push_back(found = std::make_shared<Conversion>(messages));
+  return found;
+}
+
+void RgbdConverter::convert(Conversion& conversion) {
+  ++converted_;
+  const RgbdMessages messages = std::exchange(conversion.messages, {});
+  conversion.done = true;
+  refusals_.guard("frame", [&] {
+    const std::shared_ptr<const CameraModel> camera = cameraFor(messages.info);
+    requireSize("colour", *messages.rgb, *camera);  // before anything is copied
+    requireSize("depth", *messages.depth, *camera);
+    conversion.frame = makeRgbdFrame(messages.index, fromRos(messages.rgb->header.stamp), colourFromRos(messages.rgb),
+                                     depthFromRos(messages.depth), kMetresPerMillimetre, camera);
+    conversion.frame->sensor_frame = messages.rgb->header.frame_id;
+  });
+}
+
+std::shared_ptr<const CameraModel> RgbdConverter::cameraFor(const sensor_msgs::CameraInfoConstPtr& info) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!info) return camera_;
   // Making a model costs milliseconds (its table of rays), so a new one is made only when the calibration changes.
-  if (!camera_info_ || !sameCamera(*camera_info_, *messages.info)) {
-    camera_ = std::make_shared<CameraModel>(fromRos(*messages.info, rectified_));
-    camera_info_ = messages.info;
+  if (!camera_info_ || !sameCamera(*camera_info_, *info)) {
+    camera_ = std::make_shared<CameraModel>(fromRos(*info, rectified_));
+    camera_info_ = info;
   }
   return camera_;
-}
-
-std::optional<RgbdFrame> RgbdConverter::convert(const RgbdMessages& messages) {
-  try {
-    return makeRgbdFrame(messages.index, fromRos(messages.rgb->header.stamp), colourFromRos(messages.rgb),
-                         depthFromRos(messages.depth), kMetresPerMillimetre, cameraFor(messages));
-  } catch (const Error& error) {
-    ++refused_;
-    if (throttle_.passes(error.what())) ROS_ERROR("frame refused: %s", error.what());
-    return std::nullopt;
-  }
-}
-
-PendingFrame RgbdConverter::pending(const RgbdMessages& messages, std_msgs::Header& header) {
-  return {fromRos(messages.rgb->header.stamp), messages.recording, [this, messages, &header] {
-            header = messages.rgb->header;
-            return convert(messages);
-          }};
 }
 
 }  // namespace semantic_vslam

@@ -2,42 +2,61 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <std_msgs/Header.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
 
 #include <atomic>
+#include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "core/pipeline/keyframe_inputs.h"
-#include "ros/log_throttle.h"
-#include "ros/rgbd_subscriber.h"
+#include "ros/refusals.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 
 namespace semantic_vslam {
 
-/// Turns received pairs into frames of the core. One thread calls convert().
-class RgbdConverter {
+/// A pair as received. It is converted when a stage asks for it, so that the callbacks return at once.
+struct RgbdMessages {
+  std::uint64_t index = 0;  ///< counts the pairs received, so that it tells how many were dropped between two
+  sensor_msgs::ImageConstPtr rgb, depth;
+  sensor_msgs::CameraInfoConstPtr info;  ///< null where a camera file is used
+  std::uint32_t recording = 0;           ///< see StampOrder: grows when the clock of a recording goes back
+};
+
+/// Turns received pairs into frames of the core, each once for all nodelets of a process: what one has converted the
+/// others find as long as any keeps it. Used by many threads.
+class RgbdConverter : public std::enable_shared_from_this<RgbdConverter> {
  public:
   /// @throws FileError or ConfigError for a camera file that does not load.
-  explicit RgbdConverter(const RgbdInputConfig& config);
+  RgbdConverter(const std::string& camera_file, bool rectified);
+  /// The one of this process for a pair of topics. @throws as above
+  static std::shared_ptr<RgbdConverter> of(const std::string& topics, const std::string& camera_file, bool rectified);
 
-  /// @return nothing if the pair is unusable (encoding, size, calibration): counted, and said in the log, throttled.
-  std::optional<RgbdFrame> convert(const RgbdMessages& messages);
+  /// A frame that is converted when it is asked for, which gives nothing if the pair is unusable (encoding, size,
+  /// calibration): counted, and said in the log.
+  PendingFrame pending(const RgbdMessages& messages);
 
-  /// The same for a stage to call when it needs the frame. This object must outlive what is returned.
-  /// @param header  filled with the colour image's when the frame is decoded
-  PendingFrame pending(const RgbdMessages& messages, std_msgs::Header& header);
-
-  std::size_t refused() const { return refused_; }
+  /// Pairs that were worked on; each counts once, whoever asked.
+  std::size_t converted() const { return converted_; }
+  const Refusals& refusals() const { return refusals_; }
 
  private:
-  std::shared_ptr<const CameraModel> cameraFor(const RgbdMessages& messages);
+  struct Conversion;
+  std::shared_ptr<Conversion> conversionOf(const RgbdMessages& messages);
+  void convert(Conversion& conversion);
+  std::shared_ptr<const CameraModel> cameraFor(const sensor_msgs::CameraInfoConstPtr& info);
 
   const bool rectified_;
-  std::shared_ptr<const CameraModel> camera_;
-  sensor_msgs::CameraInfoConstPtr camera_info_;  // what camera_ was made of; null if of a file
-  LogThrottle throttle_;
-  std::atomic<std::size_t> refused_{0};
+  std::atomic<std::size_t> converted_{0};
+  Refusals refusals_;
+  std::mutex mutex_;
+  std::vector<std::weak_ptr<Conversion>> conversions_;  // guarded by mutex_; of pairs that some nodelet keeps
+  std::shared_ptr<const CameraModel> camera_;           // guarded by mutex_, as the next
+  sensor_msgs::CameraInfoConstPtr camera_info_;         // what camera_ was made of; null if of a file
 };
 
 }  // namespace semantic_vslam

@@ -5,6 +5,7 @@
 #include <ros/console.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/common/stamp_order.h"
@@ -20,19 +21,26 @@ constexpr int kLeastPairingQueue = 10;
 // not wait for it to know that a pair is the best one.
 constexpr double kShortestPeriodS = 0.015;
 
+// ros::Duration, by which the synchroniser reckons, ends at 2^31 s.
+constexpr double kLongestJumpS = 1 << 30;
+
 }  // namespace
 
-RgbdSubscriber::RgbdSubscriber(ros::NodeHandle nh, ros::NodeHandle private_nh, const RgbdInputConfig& config, Sink sink)
+RgbdSubscriber::RgbdSubscriber(ros::NodeHandle nh, ros::NodeHandle private_nh, const RgbdInputConfig& config,
+                               Refusals& refusals, Sink sink)
     : config_(config),
       pairing_queue_(std::max(kLeastPairingQueue, config.queue_size)),
+      refusals_(refusals),
       sink_(std::move(sink)),
       last_pair_(ros::SteadyTime::now()),
       transport_(nh) {
+  rgb_.topic = nh.resolveName("rgb/image_rect_color");
+  depth_.topic = nh.resolveName("depth_registered/image_rect");
+  converter_ = RgbdConverter::of(rgb_.topic + "\n" + depth_.topic, config_.camera_file, config_.rectified);
   synchronize();
-  rgb_subscriber_.registerCallback([this](const sensor_msgs::ImageConstPtr&) { ++rgb_images_; });
-  depth_subscriber_.registerCallback([this](const sensor_msgs::ImageConstPtr&) { ++depth_images_; });
   info_subscriber_ = nh.subscribe("rgb/camera_info", 5, &RgbdSubscriber::onInfo, this);
-  subscribe(private_nh);
+  subscribe(rgb_, private_nh, "image_transport");
+  subscribe(depth_, private_nh, "depth_image_transport");
   silence_timer_ =
       nh.createSteadyTimer(ros::WallDuration(config_.silent_after_s), [this](const ros::SteadyTimerEvent&) {
         const std::string problem = missing();
@@ -42,28 +50,27 @@ RgbdSubscriber::RgbdSubscriber(ros::NodeHandle nh, ros::NodeHandle private_nh, c
 
 void RgbdSubscriber::synchronize() {
   if (config_.sync == "exact") {
-    exact_ = std::make_unique<message_filters::Synchronizer<ExactPolicy>>(ExactPolicy(pairing_queue_), rgb_subscriber_,
-                                                                          depth_subscriber_);
+    exact_ =
+        std::make_unique<message_filters::Synchronizer<ExactPolicy>>(ExactPolicy(pairing_queue_), rgb_.out, depth_.out);
     exact_->registerCallback(&RgbdSubscriber::onPair, this);
     return;
   }
   ApproximatePolicy policy(pairing_queue_);
   policy.setMaxIntervalDuration(ros::Duration(config_.max_interval_s));
   for (int stream = 0; stream < 2; ++stream) policy.setInterMessageLowerBound(stream, ros::Duration(kShortestPeriodS));
-  approximate_ = std::make_unique<message_filters::Synchronizer<ApproximatePolicy>>(std::as_const(policy),
-                                                                                    rgb_subscriber_, depth_subscriber_);
+  approximate_ =
+      std::make_unique<message_filters::Synchronizer<ApproximatePolicy>>(std::as_const(policy), rgb_.out, depth_.out);
   approximate_->registerCallback(&RgbdSubscriber::onPair, this);
 }
 
-void RgbdSubscriber::subscribe(ros::NodeHandle private_nh) {
-  using image_transport::TransportHints;
+void RgbdSubscriber::subscribe(Stream& stream, ros::NodeHandle private_nh, const std::string& transport) {
   try {
-    rgb_subscriber_.subscribe(transport_, "rgb/image_rect_color", pairing_queue_,
-                              TransportHints("raw", {}, private_nh, "image_transport"));
-    depth_subscriber_.subscribe(transport_, "depth_registered/image_rect", pairing_queue_,
-                                TransportHints("raw", {}, private_nh, "depth_image_transport"));
+    stream.subscriber = transport_.subscribe(
+        stream.topic, pairing_queue_,
+        [this, &stream](const Image& image) { refusals_.guard(stream.topic, [&] { onImage(stream, image); }); },
+        ros::VoidPtr(), image_transport::TransportHints("raw", {}, private_nh, transport));
   } catch (const image_transport::Exception& error) {
-    throw ConfigError(std::string("~image_transport or ~depth_image_transport: ") + error.what());
+    throw ConfigError("~" + transport + ": " + error.what());
   }
 }
 
@@ -72,7 +79,20 @@ void RgbdSubscriber::onInfo(const sensor_msgs::CameraInfoConstPtr& info) {
   info_ = info;
 }
 
-void RgbdSubscriber::onPair(const sensor_msgs::ImageConstPtr& rgb, const sensor_msgs::ImageConstPtr& depth) {
+void RgbdSubscriber::onImage(Stream& stream, const Image& image) {
+  ++stream.images;
+  const double jump_s = image->header.stamp.toSec() - last_stamp_.toSec();
+  if (!last_stamp_.isZero() && std::abs(jump_s) > kLongestJumpS) {
+    synchronize();  // what waits for its partner is older or newer than the synchroniser can reckon with
+    refusals_.refuse(stream.topic,
+                     "its stamp is " + std::to_string(jump_s) +
+                         " s from the one before; set the driver's clock, and colour and depth by the same");
+  }
+  last_stamp_ = image->header.stamp;
+  stream.out.add(image);
+}
+
+void RgbdSubscriber::onPair(const Image& rgb, const Image& depth) {
   if (clockWentBack(rgb->header.stamp)) ++recording_;
   RgbdMessages messages{pairs_, rgb, depth, nullptr, recording_};
   {
@@ -84,18 +104,25 @@ void RgbdSubscriber::onPair(const sensor_msgs::ImageConstPtr& rgb, const sensor_
     last_pair_ = ros::SteadyTime::now();
   }
   ++pairs_;
-  sink_(messages);
+  sink_(converter_->pending(messages));
 }
 
 /// A recording's first images may come before its clock: then the clock goes back after them.
 bool RgbdSubscriber::clockWentBack(ros::Time image) {
   if (!ros::Time::isSimTime()) return false;
   const ros::Time clock = ros::Time::now();
-  const double back_s = (last_clock_ - clock).toSec();
+  const double back_s = last_clock_.toSec() - clock.toSec();
   const bool went_back = back_s > (image <= last_image_ ? 0.0 : StampOrder::kLongestDisorderS);
   last_clock_ = clock;
   last_image_ = image;
   return went_back;
+}
+
+void RgbdSubscriber::report(StageDiagnostics& diagnostics, StageDiagnostics::Status& status) const {
+  const std::string problem = missing();
+  if (!problem.empty()) status.mergeSummary(diagnostic_msgs::DiagnosticStatus::ERROR, problem);
+  status.add("frames converted in this process", converter_->converted());
+  diagnostics.addFault(status, "frames refused", converter_->refusals().count(), converter_->refusals().last());
 }
 
 std::string RgbdSubscriber::missing() const {
@@ -103,11 +130,11 @@ std::string RgbdSubscriber::missing() const {
   if ((ros::SteadyTime::now() - last_pair_).toSec() < config_.silent_after_s) return "";
   std::string silent;
   const auto name = [&silent](const std::string& topic) { silent += (silent.empty() ? "" : ", ") + topic; };
-  if (rgb_images_ == 0) name(rgb_subscriber_.getTopic());
-  if (depth_images_ == 0) name(depth_subscriber_.getTopic());
+  if (rgb_.images == 0) name(rgb_.topic);
+  if (depth_.images == 0) name(depth_.topic);
   if (config_.camera_file.empty() && !info_) name(info_subscriber_.getTopic());
   if (!silent.empty()) return "no message yet on " + silent + "; remap the inputs or start the driver";
-  const std::string both = rgb_subscriber_.getTopic() + " and " + depth_subscriber_.getTopic();
+  const std::string both = rgb_.topic + " and " + depth_.topic;
   if (pairs_ == 0) {
     return "images on " + both + " never come within " + std::to_string(config_.max_interval_s) +
            " s of each other; raise max_interval_s or synchronise the driver";

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <image_transport/image_transport.h>
-#include <image_transport/subscriber_filter.h>
+#include <message_filters/pass_through.h>
 #include <message_filters/sync_policies/approximate_time.h>
 #include <message_filters/sync_policies/exact_time.h>
 #include <message_filters/synchronizer.h>
@@ -19,6 +19,8 @@
 #include <string>
 
 #include "ros/log_throttle.h"
+#include "ros/rgbd_converter.h"
+#include "ros/stage_diagnostics.h"
 
 namespace semantic_vslam {
 
@@ -53,18 +55,12 @@ struct KeptInputConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v.field("kept_frames", kept_frames, 2, 300,
-            "newest images that wait for the tracker to name one of them; 30 are a second and 60 MB at 640x480");
+    v.field(
+        "kept_frames", kept_frames, 2, 300,
+        "newest images that wait for the tracker to name one of them; 30 are a second and 75 MB at 640x480, once in a "
+        "manager of nodelets");
     v.group("input", input);
   }
-};
-
-/// A pair as received. Converting it is the worker's job, so that the callbacks return at once.
-struct RgbdMessages {
-  std::uint64_t index = 0;  ///< counts the pairs received, so that it tells how many were dropped between two
-  sensor_msgs::ImageConstPtr rgb, depth;
-  sensor_msgs::CameraInfoConstPtr info;  ///< null where a camera file is used
-  std::uint32_t recording = 0;           ///< see StampOrder: grows when the clock of a recording goes back
 };
 
 /// Subscribes to `rgb/image_rect_color`, `depth_registered/image_rect` and `rgb/camera_info`, and pairs the images by
@@ -72,43 +68,57 @@ struct RgbdMessages {
 /// set. An input that stays silent is named, as resolved, in the log and the diagnostics.
 class RgbdSubscriber {
  public:
-  using Sink = std::function<void(const RgbdMessages&)>;
+  using Sink = std::function<void(PendingFrame)>;
 
-  /// @param sink  called from the callback thread with each pair; must not block.
-  /// @throws ConfigError if there is no such image transport
-  RgbdSubscriber(ros::NodeHandle nh, ros::NodeHandle private_nh, const RgbdInputConfig& config, Sink sink);
+  /// @param refusals  where images go that are no images
+  /// @param sink  called from the callback thread with each pair; must not wait
+  /// @throws ConfigError if there is no such image transport; FileError or ConfigError for a camera file
+  RgbdSubscriber(ros::NodeHandle nh, ros::NodeHandle private_nh, const RgbdInputConfig& config, Refusals& refusals,
+                 Sink sink);
 
-  /// @return resolved names of the inputs that are silent and what is wrong; empty while pairs come in.
-  std::string missing() const;
+  /// Adds what is wrong with the inputs.
+  void report(StageDiagnostics& diagnostics, StageDiagnostics::Status& status) const;
 
  private:
+  using Image = sensor_msgs::ImageConstPtr;
   using ExactPolicy = message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::Image>;
   using ApproximatePolicy = message_filters::sync_policies::ApproximateTime<sensor_msgs::Image, sensor_msgs::Image>;
 
-  void synchronize();
-  void subscribe(ros::NodeHandle private_nh);
-  void onPair(const sensor_msgs::ImageConstPtr& rgb, const sensor_msgs::ImageConstPtr& depth);
-  void onInfo(const sensor_msgs::CameraInfoConstPtr& info);
+  /// One stream of images: what came of it, and its way to the synchroniser.
+  struct Stream {
+    std::string topic;
+    std::atomic<std::size_t> images{0};
+    message_filters::PassThrough<sensor_msgs::Image> out;
+    image_transport::Subscriber subscriber;  ///< last: it calls
+  };
 
+  void synchronize();
+  void subscribe(Stream& stream, ros::NodeHandle private_nh, const std::string& transport);
+  void onInfo(const sensor_msgs::CameraInfoConstPtr& info);
+  void onImage(Stream& stream, const Image& image);
+  void onPair(const Image& rgb, const Image& depth);
   bool clockWentBack(ros::Time image);
+  /// @return resolved names of the inputs that are silent and what is wrong; empty while pairs come in
+  std::string missing() const;
 
   const RgbdInputConfig config_;
   const int pairing_queue_;  // images of one stream that wait for their partner
+  Refusals& refusals_;
   const Sink sink_;
-  std::atomic<std::size_t> rgb_images_{0}, depth_images_{0}, pairs_{0};
+  std::atomic<std::size_t> pairs_{0};
   mutable std::mutex mutex_;
-  sensor_msgs::CameraInfoConstPtr info_;  // guarded by mutex_
-  ros::SteadyTime last_pair_;             // guarded by mutex_
-  ros::Time last_clock_, last_image_;     // callback thread only; at the pair before, simulated time only
-  std::uint32_t recording_ = 0;           // callback thread only
-
-  // Last, so that callbacks stop before what they use is gone.
-  image_transport::ImageTransport transport_;
-  image_transport::SubscriberFilter rgb_subscriber_, depth_subscriber_;
-  ros::Subscriber info_subscriber_;
+  sensor_msgs::CameraInfoConstPtr info_;            // guarded by mutex_
+  ros::SteadyTime last_pair_;                       // guarded by mutex_
+  ros::Time last_clock_, last_image_, last_stamp_;  // callback thread only; the first two with simulated time only
+  std::uint32_t recording_ = 0;                     // callback thread only
   std::unique_ptr<message_filters::Synchronizer<ExactPolicy>> exact_;
   std::unique_ptr<message_filters::Synchronizer<ApproximatePolicy>> approximate_;
   LogThrottle throttle_;  // callback thread only
+  std::shared_ptr<RgbdConverter> converter_;
+  // Last, so that callbacks stop before what they use is gone.
+  image_transport::ImageTransport transport_;
+  Stream rgb_, depth_;
+  ros::Subscriber info_subscriber_;
   ros::SteadyTimer silence_timer_;
 };
 

@@ -33,18 +33,10 @@ void installRosLogSink() {
   });
 }
 
-StageDiagnostics::StageDiagnostics(ros::NodeHandle nh, ros::NodeHandle private_nh, const std::string& node_name,
-                                   const std::string& stage, double budget_ms)
-    : budget_ms_(budget_ms), last_report_(ros::SteadyTime::now()), updater_(nh, private_nh, node_name) {
+StageDiagnostics::StageDiagnostics(const NodeletHandles& node, const std::string& stage, double budget_ms)
+    : budget_ms_(budget_ms), last_report_(ros::SteadyTime::now()), updater_(node.nh, node.private_nh, node.name) {
   updater_.setHardwareID("none");
   updater_.add(stage, [this](Status& status) { fill(status); });
-}
-
-void StageDiagnostics::start(ros::NodeHandle nh, Sources sources) {
-  sources_ = std::move(sources);
-  // By the steady clock: with a simulated one that stands still, update() would say nothing.
-  timer_ =
-      nh.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { updater_.force_update(); });
 }
 
 void StageDiagnostics::record(Stamp stamp, StepTime time) {
@@ -55,10 +47,13 @@ void StageDiagnostics::record(Stamp stamp, StepTime time) {
   ++steps_;
 }
 
-bool StageDiagnostics::addFault(Status& status, const std::string& name, std::size_t count) {
+bool StageDiagnostics::addFault(Status& status, const std::string& name, std::size_t count, const std::string& reason) {
   status.add(name, count);
   const std::size_t more = count - std::exchange(reported_[name], count);
-  if (more > 0) status.mergeSummary(DiagnosticStatus::WARN, name + ": " + std::to_string(more) + " more");
+  if (more > 0) {
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        name + ": " + std::to_string(more) + " more" + (reason.empty() ? "" : ", the last: " + reason));
+  }
   return more > 0;
 }
 
@@ -69,7 +64,7 @@ void StageDiagnostics::fill(Status& status) {
     wall_ms.swap(wall_ms_);
     cpu_ms.swap(cpu_ms_);
     status.add("steps", steps_);
-    if (steps_ > 0) status.addf("age of newest", "%.3f s", (ros::Time::now() - toRos(newest_)).toSec());
+    if (steps_ > 0) status.addf("age of newest", "%.3f s", ros::Time::now().toSec() - newest_.seconds());
   }
   const ros::SteadyTime now = ros::SteadyTime::now();
   status.summary(DiagnosticStatus::OK, "running");
@@ -88,9 +83,7 @@ void StageDiagnostics::fill(Status& status) {
   addFault(status, "dropped", queue.dropped);
   addFault(status, "steps that failed", queue.failed);
 
-  const std::string missing = sources_.missing();
-  if (!missing.empty()) status.mergeSummary(DiagnosticStatus::ERROR, missing);
-  if (sources_.details) sources_.details(status);
+  sources_.details(status);
 }
 
 }  // namespace semantic_vslam

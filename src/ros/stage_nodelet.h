@@ -4,29 +4,32 @@
 
 #include <nodelet/nodelet.h>
 
+#include <exception>
+#include <memory>
+
+#include "ros/node_inputs.h"
 #include "ros/stage_diagnostics.h"
-#include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
 
-/// A nodelet that runs one stage. A start that fails is one line in the log and ends the node.
-class StageNodelet : public nodelet::Nodelet {
+/// The nodelet of a stage. `Topics` is built of NodeletHandles and is all there is: publishers, then the runner that
+/// publishes, then the inputs that feed it. Its members' destructors end them the other way round. A start that fails
+/// is one line in the log and ends the node.
+template <class Topics>
+class StageNodelet final : public nodelet::Nodelet {
  private:
-  virtual void start() = 0;
-
-  /// Ends whatever start() began, all of it or a part, callbacks first. Destructors call it too.
-  virtual void stop() = 0;
-
-  void onInit() final {
+  void onInit() override {
     installRosLogSink();
     try {
-      start();
-    } catch (const Error& error) {
+      topics_ = std::make_unique<Topics>(NodeletHandles{getNodeHandle(), getPrivateNodeHandle(), getMTNodeHandle(),
+                                                        getMTPrivateNodeHandle(), getName()});
+    } catch (const std::exception& error) {
       NODELET_FATAL("%s", error.what());
-      stop();  // the loader deletes the nodelet after the queues of its callbacks, and they may not outlive these
-      throw;   // the loader gives the nodelet up; a node ends
+      throw;  // the loader gives the nodelet up; a node ends
     }
   }
+
+  std::unique_ptr<Topics> topics_;
 };
 
 }  // namespace semantic_vslam

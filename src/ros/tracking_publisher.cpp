@@ -6,7 +6,6 @@
 #include <nav_msgs/Path.h>
 #include <semantic_vslam/KeyframePoseArray.h>
 #include <semantic_vslam/KeyframeStamped.h>
-#include <semantic_vslam/TrackingReport.h>
 
 #include <algorithm>
 #include <utility>
@@ -19,15 +18,10 @@ namespace {
 // rviz draws more poses than this no better, and a long run must not fill the network with its path.
 constexpr std::size_t kLongestPath = 2000;
 
-std::uint8_t stateCode(TrackingState state) {
-  switch (state) {
-    case TrackingState::kInitialising: return TrackingReport::INITIALISING;
-    case TrackingState::kOk: return TrackingReport::OK;
-    case TrackingState::kRecentlyLost: return TrackingReport::RECENTLY_LOST;
-    case TrackingState::kLost: break;
-  }
-  return TrackingReport::LOST;
-}
+static_assert(static_cast<int>(TrackingState::kInitialising) == TrackingReport::INITIALISING &&
+              static_cast<int>(TrackingState::kOk) == TrackingReport::OK &&
+              static_cast<int>(TrackingState::kRecentlyLost) == TrackingReport::RECENTLY_LOST &&
+              static_cast<int>(TrackingState::kLost) == TrackingReport::LOST);
 
 /// Mean velocity since the last tracked frame, in the body's axes.
 geometry_msgs::TwistWithCovariance bodyVelocity(const TrackingEstimate& tracking, const SE3& T_camera_body) {
@@ -72,53 +66,59 @@ TrackingPublisher::TrackingPublisher(ros::NodeHandle nh, const FramesConfig& fra
   points_ = nh.advertise<sensor_msgs::PointCloud2>("tracking/points", 1);
 }
 
+bool TrackingPublisher::locateBody(const RgbdFrame& frame) {
+  const std::optional<BodyTransforms> body = tf_.lookUp(headerOf(frame));
+  if (body) body_ = *body;
+  return body.has_value();
+}
+
 TrackingWishes TrackingPublisher::wishes(Stamp now) const {
   const bool path_is_due = now < last_path_ || secondsBetween(last_path_, now) >= path_period_s_;
   return {path_is_due && path_.getNumSubscribers() > 0 ? kLongestPath : 0, points_.getNumSubscribers() > 0};
 }
 
-/// Another map than before: where its world lies is not known yet.
-void TrackingPublisher::follow(const MapSnapshot& map) {
-  if (map.map_id == map_id_) return;
+/// Call with mutex_ held. Of another map than before it is not known yet where its world lies.
+/// @return false: the map was left already
+bool TrackingPublisher::follow(const MapSnapshot& map) {
+  if (static_cast<std::int32_t>(map.map_id - map_id_) < 0) return false;
+  if (map.map_id != map_id_ && !keep_anchor_.exchange(false)) T_map_world_.reset();
   map_id_ = map.map_id;
-  if (keep_anchor_.exchange(false)) return;
-  std::lock_guard<std::mutex> lock(mutex_);
-  T_map_world_.reset();
+  return true;
 }
 
-void TrackingPublisher::anchorMap(const SE3& T_camera_body) {
-  std::lock_guard<std::mutex> lock(mutex_);
-  if (T_map_world_) return;
-  // Without a base frame the body is the camera itself, level and looking forward.
-  T_map_world_ = initial_pose_.transform() * (frames_.base_frame.empty() ? bodyFromOptical() : T_camera_body.inverse());
-}
-
-void TrackingPublisher::publish(const std_msgs::Header& image, const BodyTransforms& body, const TrackingInput& input,
-                                const TrackingOutput& output, StepTime time) {
-  newest_image_ = input.frame.stamp;
-  follow(*output.map);
-  anchorMap(body.T_camera_body);
+void TrackingPublisher::publish(const TrackingInput& input, const TrackingOutput& output, StepTime time) {
+  const std_msgs::Header image = headerOf(input.frame);
+  std::optional<MapSnapshot> waited;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    newest_image_ = input.frame.stamp;
+    follow(*output.map);
+    // Without a base frame the body is the camera itself, level and looking forward.
+    const SE3 T_body_camera = frames_.base_frame.empty() ? bodyFromOptical() : body_.T_camera_body.inverse();
+    if (!T_map_world_) T_map_world_ = initial_pose_.transform() * T_body_camera;
+    frame_T_map_world_ = *T_map_world_;
+    waited.swap(not_anchored_);
+  }
   const TrackingState state = output.tracking.state;
-  if (state == TrackingState::kOk || state == TrackingState::kRecentlyLost) publishPose(image, body, output.tracking);
+  if (state == TrackingState::kOk || state == TrackingState::kRecentlyLost) publishPose(image, output.tracking);
   publishKeyframes(image, output);
   if (!output.path.empty()) publishPath(image, output.path);
   publishState(image, input, output, time);
-  if (not_anchored_) publishMap(MapSnapshot(*not_anchored_));
+  if (waited) publishMap(*waited);
 }
 
-void TrackingPublisher::publishPose(const std_msgs::Header& image, const BodyTransforms& body,
-                                    const TrackingEstimate& tracking) {
-  const SE3 T_map_camera = *T_map_world_ * tracking.T_camera_world.inverse();
-  const SE3 T_map_body = T_map_camera * body.T_camera_body;
-  tf_.publish(image, T_map_body, body.T_body_odom);
+void TrackingPublisher::publishPose(const std_msgs::Header& image, const TrackingEstimate& tracking) {
+  const SE3 T_map_camera = frame_T_map_world_ * tracking.T_camera_world.inverse();
+  const SE3 T_map_body = T_map_camera * body_.T_camera_body;
+  tf_.publish(image, T_map_body, body_.T_body_odom);
 
   nav_msgs::Odometry odometry;
   odometry.header.stamp = image.stamp;
   odometry.header.frame_id = frames_.map_frame;
   odometry.child_frame_id = tf_.bodyFrame(image);
   odometry.pose.pose = toPose(T_map_body);
-  odometry.pose.covariance = bodyCovariance(tracking.covariance, T_map_camera, body.T_camera_body);
-  odometry.twist = bodyVelocity(tracking, body.T_camera_body);
+  odometry.pose.covariance = bodyCovariance(tracking.covariance, T_map_camera, body_.T_camera_body);
+  odometry.twist = bodyVelocity(tracking, body_.T_camera_body);
   odometry_.publish(odometry);
 
   geometry_msgs::PoseWithCovarianceStamped pose;
@@ -133,32 +133,42 @@ void TrackingPublisher::publishKeyframes(const std_msgs::Header& image, const Tr
     const auto placed =
         std::find_if(poses.begin(), poses.end(), [&](const KeyframePose& pose) { return pose.keyframe == notice.id; });
     KeyframePose pose{notice.id, notice.stamp, SE3::Identity()};
-    if (placed != poses.end()) pose.T_world_camera = *T_map_world_ * placed->T_world_camera;
+    if (placed != poses.end()) pose.T_world_camera = frame_T_map_world_ * placed->T_world_camera;
     KeyframeStamped message = toRos(pose, frames_.map_frame, notice.map_id);
     message.placed = placed != poses.end();
     keyframe_.publish(message);
   }
   if (output.points.empty()) return;
   std::vector<Eigen::Vector3d> points = output.points;
-  for (Eigen::Vector3d& point : points) point = *T_map_world_ * point;
+  for (Eigen::Vector3d& point : points) point = frame_T_map_world_ * point;
   std_msgs::Header header = image;
   header.frame_id = frames_.map_frame;
   points_.publish(toRos(points, header));
 }
 
 void TrackingPublisher::publishMap(const MapSnapshot& map) {
-  follow(map);
-  not_anchored_.reset();
-  if (!T_map_world_ && map.keyframes() > 0) {
-    not_anchored_ = map;
-    return;
-  }
+  const std::lock_guard<std::mutex> one_after_the_other(map_mutex_);
   KeyframePoseArray message;
-  message.header.stamp = map.keyframes() > 0 ? toRos(newest_image_) : ros::Time();
+  SE3 T_map_world = SE3::Identity();
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!follow(map)) return;
+    if (!T_map_world_ && map.keyframes() > 0) {
+      not_anchored_ = map;
+      return;
+    }
+    if (T_map_world_) T_map_world = *T_map_world_;
+    newest_.keyframes = static_cast<std::uint32_t>(map.keyframes());
+    newest_.landmarks = static_cast<std::uint32_t>(map.landmarks);
+    loops_ = map.loops;
+    message.header.stamp = map.keyframes() > 0 ? toRos(newest_image_) : ros::Time();
+  }
+  if (map.map_id == published_.map_id && map.version < published_.version) return;
+  published_ = {map.map_id, map.version, {}, {}};
   message.header.frame_id = frames_.map_frame;
   message.map_id = map.map_id;
   for (KeyframePose pose : map.poses) {
-    pose.T_world_camera = *T_map_world_ * pose.T_world_camera;
+    pose.T_world_camera = T_map_world * pose.T_world_camera;
     message.keyframes.push_back(toRos(pose, frames_.map_frame, map.map_id));
   }
   for (const KeyframeId id : map.unplaced) {
@@ -169,7 +179,7 @@ void TrackingPublisher::publishMap(const MapSnapshot& map) {
 }
 
 void TrackingPublisher::publishPath(const std_msgs::Header& image, std::vector<TimedPose> poses) {
-  last_path_ = newest_image_;
+  last_path_ = fromRos(image.stamp);
   nav_msgs::Path path;
   path.header.stamp = image.stamp;
   path.header.frame_id = frames_.map_frame;
@@ -187,7 +197,7 @@ void TrackingPublisher::publishState(const std_msgs::Header& image, const Tracki
                                      const TrackingOutput& output, StepTime time) {
   TrackingReport message;
   message.header = image;
-  message.state = stateCode(output.tracking.state);
+  message.state = static_cast<std::uint8_t>(output.tracking.state);
   message.has_mask = !input.motion.dynamic.empty();
   message.is_keyframe = output.is_keyframe;
   message.features = static_cast<std::uint32_t>(output.tracking.features);
@@ -197,9 +207,28 @@ void TrackingPublisher::publishState(const std_msgs::Header& image, const Tracki
   if (!output.removed.empty()) {
     message.dynamic_share = static_cast<float>(cv::countNonZero(output.removed >= 128)) / output.removed.total();
   }
-  message.camera = toPose(*T_map_world_ * output.tracking.T_camera_world.inverse());
+  message.camera = toPose(frame_T_map_world_ * output.tracking.T_camera_world.inverse());
   message.cpu_ms = static_cast<float>(time.cpu_ms);
   state_.publish(message);
+  std::lock_guard<std::mutex> lock(mutex_);
+  ++(message.state == TrackingReport::OK || message.state == TrackingReport::RECENTLY_LOST ? posed_ : lost_);
+  newest_ = std::move(message);
+}
+
+void TrackingPublisher::report(StageDiagnostics& diagnostics, StageDiagnostics::Status& status) const {
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    status.add("state", stateName(static_cast<TrackingState>(newest_.state)));
+    status.add("inliers", newest_.inliers);
+    status.add("keyframes", newest_.keyframes);
+    status.add("landmarks", newest_.landmarks);
+    status.add("loops closed", loops_);
+    status.add("frames with a pose", posed_);
+    status.add("frames without", lost_);
+    if (newest_.state == TrackingReport::LOST) status.mergeSummary(diagnostic_msgs::DiagnosticStatus::ERROR, "lost");
+  }
+  status.add("transforms sent", tf_.sent());
+  diagnostics.addFault(status, "transforms not found", tf_.failedLookups(), tf_.lastFailure());
 }
 
 std::vector<TimedPose> TrackingPublisher::inMap(std::vector<TimedPose> poses) const {

@@ -4,6 +4,7 @@
 
 #include <nav_msgs/Odometry.h>
 #include <ros/node_handle.h>
+#include <semantic_vslam/TrackingReport.h>
 #include <std_msgs/Header.h>
 
 #include <atomic>
@@ -13,10 +14,11 @@
 #include <optional>
 #include <vector>
 
+#include "core/io/trajectory.h"
 #include "core/pipeline/tracking_stage.h"
 #include "core/runtime/step_clock.h"
+#include "ros/stage_diagnostics.h"
 #include "ros/tf_publisher.h"
-#include "semantic_vslam/core/io/trajectory.h"
 
 namespace semantic_vslam {
 
@@ -47,27 +49,25 @@ class TrackingPublisher {
   TrackingPublisher(ros::NodeHandle nh, const FramesConfig& frames, const InitialPoseConfig& initial_pose,
                     double path_period_s, std::uint32_t first_map_id);
 
-  /// See TfPublisher; without it a frame cannot be used. May wait; not serialised with the other calls.
-  std::optional<BodyTransforms> lookUp(const std_msgs::Header& image) { return tf_.lookUp(image); }
-
+  /// Asks tf where the body is at a frame that will be tracked next; may wait. @return false: the frame cannot be used
+  bool locateBody(const RgbdFrame& frame);
   /// What somebody looks at and is due now.
   TrackingWishes wishes(Stamp now) const;
-  /// Publishes a frame. The first one of a new map puts its body at the initial pose.
-  void publish(const std_msgs::Header& image, const BodyTransforms& body, const TrackingInput& input,
-               const TrackingOutput& output, StepTime time);
-  /// Publishes keyframes that are new or have moved. One call at a time, not during publish().
+  /// Publishes the frame whose body was located last. The first one of a new map puts its body at the initial pose.
+  void publish(const TrackingInput& input, const TrackingOutput& output, StepTime time);
+  /// Publishes keyframes that are new or have moved, unless their map was left. From any thread.
   void publishMap(const MapSnapshot& map);
   /// The next map lies as the present one does, not so that its first frame is at the initial pose.
   void keepAnchor() { keep_anchor_ = true; }
 
   /// @param poses  of the optical frame in the world  @return the same in the map; empty where no frame has a pose yet
   std::vector<TimedPose> inMap(std::vector<TimedPose> poses) const;
-  const TfPublisher& tf() const { return tf_; }
+  /// Adds what was published last, from any thread.
+  void report(StageDiagnostics& diagnostics, StageDiagnostics::Status& status) const;
 
  private:
-  void follow(const MapSnapshot& map);
-  void anchorMap(const SE3& T_camera_body);
-  void publishPose(const std_msgs::Header& image, const BodyTransforms& body, const TrackingEstimate& tracking);
+  bool follow(const MapSnapshot& map);
+  void publishPose(const std_msgs::Header& image, const TrackingEstimate& tracking);
   void publishKeyframes(const std_msgs::Header& image, const TrackingOutput& output);
   void publishPath(const std_msgs::Header& image, std::vector<TimedPose> path);
   void publishState(const std_msgs::Header& image, const TrackingInput& input, const TrackingOutput& output,
@@ -77,12 +77,22 @@ class TrackingPublisher {
   const InitialPoseConfig initial_pose_;
   const double path_period_s_;
   TfPublisher tf_;
-  std::uint32_t map_id_;
   std::atomic<bool> keep_anchor_{false};
-  mutable std::mutex mutex_;
-  std::optional<SE3> T_map_world_;           // written by the publishing thread under mutex_; others read it so
+  // Of tracking's thread only, at the frame in work.
+  BodyTransforms body_;
+  SE3 frame_T_map_world_ = SE3::Identity();
+  Stamp last_path_;
+
+  mutable std::mutex mutex_;  // held for moments; guards these
+  std::uint32_t map_id_;
+  std::optional<SE3> T_map_world_;
   std::optional<MapSnapshot> not_anchored_;  ///< to be published when the map has its place
-  Stamp newest_image_, last_path_;
+  Stamp newest_image_;
+  TrackingReport newest_;
+  std::size_t posed_ = 0, lost_ = 0, loops_ = 0;
+
+  std::mutex map_mutex_;   // taken before mutex_
+  MapSnapshot published_;  // guarded by map_mutex_; without poses
   ros::Publisher odometry_, pose_, path_, state_, keyframe_, keyframe_poses_, points_;
 };
 

@@ -11,10 +11,10 @@
 #include "core/common/arguments.h"
 #include "core/io/image_file.h"
 #include "core/io/json_writer.h"
+#include "core/io/trajectory.h"
 #include "eval/trajectory_error.h"
 #include "eval/trajectory_plot.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/io/trajectory.h"
 
 namespace {
 

@@ -18,12 +18,12 @@
 #include "core/common/progress.h"
 #include "core/io/json_writer.h"
 #include "core/io/stamp_association.h"
+#include "core/io/trajectory.h"
 #include "core/pipeline/sparse_slam.h"
 #include "eval/open_recording.h"
 #include "eval/run_report.h"
 #include "eval/trajectory_error.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/io/trajectory.h"
 #include "semantic_vslam/core/pipeline/pipeline.h"
 
 namespace {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <opencv2/core.hpp>
@@ -18,6 +19,7 @@
 #include "core/common/config_arguments.h"
 #include "core/common/progress.h"
 #include "core/io/image_file.h"
+#include "core/io/trajectory.h"
 #include "core/pipeline/sparse_slam.h"
 #include "core/runtime/bounded_queue.h"
 #include "core/runtime/read_ahead.h"
@@ -25,7 +27,6 @@
 #include "eval/run_recorder.h"
 #include "ros/bag_source.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/io/trajectory.h"
 #include "semantic_vslam/core/pipeline/pipeline.h"
 #include "semantic_vslam/core/runtime/pipeline_runner.h"
 
@@ -44,6 +45,8 @@ constexpr const char* kUsage =
     "  --set KEY=VALUE      one key; may be repeated, holds over --config\n"
     "  --deterministic      one thread, nothing dropped, the same bytes out for the same bytes in (the default, said\n"
     "                       for the record: it refuses --realtime)\n"
+    "                       (results so far are written every minute, and at every end, early or not: summary.json,\n"
+    "                       written last, says how the run ended)\n"
     "  --realtime           frames come at the pace of their stamps and are decoded ahead; each "
     "stage\n"
     "                       has threads of its own, and frames that wait too long are dropped, the oldest first\n"
@@ -56,13 +59,23 @@ constexpr const char* kUsage =
 
 // Frames decoded ahead at the pace of their stamps: one second.
 constexpr std::size_t kReadAhead = 30;
+// What a run that is killed loses at most.
+constexpr std::chrono::seconds kWritingPeriod{60};
 
 volatile std::sig_atomic_t stop_requested = 0;
 
-/// The first Ctrl-C ends the run and writes what there is; a second one kills as usual.
-void requestStop(int) {
-  stop_requested = 1;
-  std::signal(SIGINT, SIG_DFL);
+/// The first signal ends the run and writes what there is; a second one kills as usual.
+void requestStop(int signal) {
+  stop_requested = signal;
+  std::signal(signal, SIG_DFL);
+}
+
+const char* signalName(int signal) {
+  switch (signal) {
+    case SIGINT: return "interrupted (SIGINT)";
+    case SIGTERM: return "terminated (SIGTERM)";
+    default: return "hung up (SIGHUP)";
+  }
 }
 
 struct Options {
@@ -99,6 +112,16 @@ std::unique_ptr<FrameSource> openFolderOrBag(const Arguments& arguments) {
   return std::make_unique<BagSource>(path, camera, topics);
 }
 
+double secondsSince(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+std::string messageOf(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const std::exception& known) {
+    return known.what();
+  }
+}
+
 /// The time at which a camera would have sent each frame.
 class Pacer {
  public:
@@ -109,15 +132,22 @@ class Pacer {
     }
     std::this_thread::sleep_until(dueAt(stamp));
   }
-  double latenessMs(Stamp stamp) const {
-    return std::chrono::duration<double, std::milli>(Clock::now() - dueAt(stamp)).count();
+  /// To be called when its wait is over. @return when it was due; when decoding was later than half a period of 30 Hz,
+  /// now
+  Clock::time_point givenAt(Stamp stamp) {
+    const double late_ms = 1e3 * secondsSince(dueAt(stamp));
+    worst_ms_ = std::max(worst_ms_, late_ms);
+    constexpr double kTimersLateMs = 15.0;  // waking up late is the machine's and counts
+    return late_ms > kTimersLateMs ? Clock::now() : dueAt(stamp);
   }
+  double worstLatenessMs() const { return worst_ms_; }
 
  private:
   Clock::time_point dueAt(Stamp stamp) const { return begin_ + std::chrono::nanoseconds(stamp.ns - first_->ns); }
 
   std::optional<Stamp> first_;
   Clock::time_point begin_;
+  double worst_ms_ = 0.0;
 };
 
 void writeMask(const std::string& folder, Stamp stamp, const cv::Mat1b& dynamic, cv::Size size) {
@@ -139,17 +169,35 @@ class Output {
     const std::size_t keyframes = step.map ? step.map->keyframes() : 0;
     progress_.show(report().frames, std::to_string(keyframes) + " keyframes, " + stateName(step.tracking.state));
   }
+  /// Calls write() every minute, and so seldom that it takes a twentieth of the time at most.
+  template <class Write>
+  void nowAndThen(const Write& write) {
+    if (Clock::now() < next_writing_) return;
+    const Clock::time_point begin = Clock::now();
+    write();
+    next_writing_ = Clock::now() + std::max<Clock::duration>(kWritingPeriod, 20 * (Clock::now() - begin));
+  }
   /// @param system  Pipeline or PipelineRunner
   template <class System>
-  void finish(System& system) {
+  void write(System& system, bool at_end) {
+    report().wall_s = secondsSince(begin_);
+    report().skipped_broken = source_.skippedBroken();
+    recorder_.writeResults(options_.out, {system.slam(), system.dense(), system.times()}, dense_, source_, at_end);
+  }
+  /// Writes all results, whatever ended the run, and only then throws what went wrong.
+  template <class System>
+  void finish(System& system, const std::exception_ptr& error) {
     progress_.end();
     system.finish();
-    report().wall_s = std::chrono::duration<double>(Clock::now() - begin_).count();
-    report().interrupted = stop_requested != 0;
-    report().skipped_broken = source_.skippedBroken();
-    if (report().frames == 0) throw FileError("'" + options_.recording + "': no frame could be read");
-    recorder_.writeResults(options_.out, {system.slam(), system.dense(), system.times()}, dense_, source_);
+    if (report().frames == 0) {
+      if (error) std::rethrow_exception(error);
+      throw FileError("'" + options_.recording + "': no frame could be read");
+    }
+    report().ended = error ? messageOf(error) : stop_requested != 0 ? signalName(stop_requested) : "complete";
+    write(system, true);
+    if (error) std::rethrow_exception(error);
   }
+  const std::string& folder() const { return options_.out; }
   RunReport& report() { return recorder_.report(); }
 
  private:
@@ -168,45 +216,69 @@ class Output {
   RunRecorder recorder_;
   Progress progress_;
   const Clock::time_point begin_ = Clock::now();
+  Clock::time_point next_writing_ = begin_ + kWritingPeriod;
 };
+
+/// @return what give() threw, so that what was computed before can be written
+template <class Give>
+std::exception_ptr giveFrames(std::size_t wanted, const Give& give) {
+  try {
+    for (std::size_t taken = 0; taken < wanted && stop_requested == 0 && give(); ++taken) {
+    }
+    return nullptr;
+  } catch (const std::exception&) {
+    return std::current_exception();
+  }
+}
 
 /// Gives the frames one by one.
 void runInOrder(FrameSource& source, std::size_t wanted, const SystemConfig& config, Output& output) {
   Pipeline system(config);
-  for (std::size_t taken = 0; taken < wanted && stop_requested == 0; ++taken) {
+  const std::exception_ptr error = giveFrames(wanted, [&] {
     const std::optional<RgbdFrame> frame = source.next();
-    if (!frame) break;
+    if (!frame) return false;
     output.add(*frame, system.step(*frame), source.groundTruthMask());
-  }
-  output.finish(system);
+    output.nowAndThen([&] { output.write(system, false); });
+    return true;
+  });
+  output.finish(system, error);
 }
 
-struct TrueMask {
+/// A frame on its way: when it was given, which is later than due where decoding cannot keep pace, and its true mask.
+struct Given {
   Stamp stamp;
+  Clock::time_point at;
   cv::Mat1b mask;
 };
 
 /// Gives the frames at the pace of their stamps.
 void runInRealTime(FrameSource& source, std::size_t wanted, const SystemConfig& config, Output& output) {
   Pacer pacer;
-  BoundedQueue<TrueMask> truths(kReadAhead, QueuePolicy::kDropOldest);
+  BoundedQueue<Given> on_their_way(kReadAhead, QueuePolicy::kDropOldest);
   PipelineRunner system(config, [&](const RgbdFrame& frame, const StepResult& step) {
-    output.report().latency_ms.push_back(pacer.latenessMs(frame.stamp));
-    std::optional<TrueMask> truth = truths.tryPop();
-    while (truth && truth->stamp < frame.stamp) truth = truths.tryPop();  // of frames that were dropped
-    output.add(frame, step, truth ? truth->mask : cv::Mat1b());
+    std::optional<Given> given = on_their_way.tryPop();
+    while (given && given->stamp < frame.stamp) given = on_their_way.tryPop();  // frames that were dropped
+    if (given) output.report().latency_ms.push_back(1e3 * secondsSince(given->at));
+    output.add(frame, step, given ? given->mask : cv::Mat1b());
   });
-  for (std::size_t taken = 0; taken < wanted && stop_requested == 0; ++taken) {
+  std::exception_ptr error = giveFrames(wanted, [&] {
     const std::optional<RgbdFrame> frame = source.next();
-    if (!frame) break;
+    if (!frame) return false;
     pacer.wait(frame->stamp);
-    truths.push({frame->stamp, source.groundTruthMask()});
-    if (!system.push(*frame)) break;
+    on_their_way.push({frame->stamp, pacer.givenAt(frame->stamp), source.groundTruthMask()});
+    output.nowAndThen(
+        [&] { system.read([&](const SparseSlam& slam) { RunRecorder::writePoses(output.folder(), slam); }); });
+    return system.push(*frame);
+  });
+  try {
+    system.finish();
+  } catch (const std::exception&) {
+    error = std::current_exception();  // what the sink threw
   }
-  system.finish();
   output.report().dropped_late = system.dropped();
   output.report().keyframes_passed_over = system.keyframesPassedOver();
-  output.finish(system);
+  output.report().decoding_late_ms = pacer.worstLatenessMs();
+  output.finish(system, error);
 }
 
 Options readOptions(const Arguments& arguments, const FrameSource& source) {
@@ -229,7 +301,7 @@ Options readOptions(const Arguments& arguments, const FrameSource& source) {
 }
 
 int run(const Arguments& arguments, const SystemConfig& config) {
-  std::signal(SIGINT, requestStop);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, requestStop);
   std::unique_ptr<FrameSource> source = openFolderOrBag(arguments);
   const Options options = readOptions(arguments, *source);
   std::error_code failed;
@@ -237,6 +309,7 @@ int run(const Arguments& arguments, const SystemConfig& config) {
   if (options.masks && !failed) fs::create_directories(options.out + "/removed", failed);
   if (failed) throw FileError("output folder '" + options.out + "' cannot be made: " + failed.message());
   requireWritable(options.out + "/summary.json");
+  RunRecorder::clearFolder(options.out);
   if (options.realtime) source = std::make_unique<ReadAhead>(std::move(source), kReadAhead);
 
   source->skip(options.start);

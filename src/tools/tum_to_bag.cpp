@@ -10,10 +10,10 @@
 #include "core/common/arguments.h"
 #include "core/common/progress.h"
 #include "core/io/image_file.h"
+#include "core/io/tum_sequence.h"
 #include "ros/recording_bag.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/io/tum_sequence.h"
 
 namespace {
 

@@ -130,19 +130,71 @@ class ToolsTest(unittest.TestCase):
         self.assertEqual(frames, list(range(10, 22)))
         self.assertFalse(os.path.exists(os.path.join(self.out("part"), "cloud.pcd")))
 
-    def test_interrupt_writes_what_there_is(self):
+    def cut(self, number):
+        """A run that gets a signal in the middle. @return its status"""
         command = [program("run_offline"), self.sequence, "--camera", self.camera, "--out", self.out("cut"), "--realtime"]
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, universal_newlines=True)
         process.stderr.readline()  # the first message comes when the system is set up; at their own pace the frames
-        time.sleep(0.2)            # then take over a second
-        process.send_signal(signal.SIGINT)
+        time.sleep(0.3)            # then take over a second
+        process.send_signal(number)
         process.communicate(timeout=120)
-        self.assertEqual(process.returncode, 0)
-        with open(os.path.join(self.out("cut"), "summary.json")) as file:
+        return process.returncode
+
+    def summary(self, name):
+        """The report, when it and the files that it names are of one moment."""
+        folder = self.out(name)
+        with open(os.path.join(folder, "summary.json")) as file:
             summary = json.load(file)
-        self.assertTrue(summary["interrupted"])
-        self.assertLess(summary["frames"], FRAMES)
-        self.assertTrue(os.path.exists(os.path.join(self.out("cut"), "trajectory.txt")))
+        here = {name for name in os.listdir(folder) if name != "summary.json"}
+        self.assertEqual(set(summary["files"]), {name for name in here if os.path.isfile(os.path.join(folder, name)) or
+                                                 os.listdir(os.path.join(folder, name))})
+        for name, size in summary["files"].items():
+            path = os.path.join(folder, name)
+            parts = [os.path.join(path, part) for part in os.listdir(path)] if os.path.isdir(path) else [path]
+            self.assertEqual(sum(map(os.path.getsize, parts)), size, name)
+        return summary
+
+    def test_a_signal_writes_what_there_is(self):
+        for number, said in ((signal.SIGINT, "SIGINT"), (signal.SIGTERM, "SIGTERM"), (signal.SIGHUP, "SIGHUP")):
+            with self.subTest(said):
+                self.assertEqual(self.cut(number), 0)
+                summary = self.summary("cut")
+                self.assertIn(said, summary["ended"])
+                self.assertLess(summary["frames"], FRAMES)
+                self.assertIn("trajectory.txt", summary["files"])
+
+    def test_a_run_that_was_killed_passes_for_none(self):
+        self.offline(self.sequence, "cut")
+        left_over = os.path.join(self.out("cut"), ".writing-999999999-0-cloud.pcd")
+        open(left_over, "w").close()
+        self.assertEqual(self.cut(signal.SIGKILL), -signal.SIGKILL)
+        self.assertFalse(os.path.exists(os.path.join(self.out("cut"), "summary.json")), "the earlier run's")
+        self.assertFalse(os.path.exists(os.path.join(self.out("cut"), "cloud.pcd")), "the earlier run's")
+        self.assertFalse(os.path.exists(left_over))
+
+    def test_images_that_end_unreadable_lose_nothing_of_those_before(self):
+        folder = self.out("ends")
+        shutil.copytree(self.sequence, folder)
+        for name in sorted(os.listdir(os.path.join(folder, "rgb")))[20:]:
+            with open(os.path.join(folder, "rgb", name), "wb") as image:
+                image.write(b"\x89PNG")
+        done = run("run_offline", folder, "--camera", self.camera, "--out", self.out("ended"))
+        self.assert_one_error(done, "in a row cannot be read")
+        summary = self.summary("ended")
+        self.assertEqual(summary["frames"], 20)
+        self.assertIn("in a row cannot be read", summary["ended"])
+        self.assertGreaterEqual(summary["posed"], 19)
+
+    def test_a_folder_is_of_one_run(self):
+        self.offline(self.sequence, "twice", "--masks")
+        kept = os.path.join(self.out("twice"), "masks", "of the user.png")
+        open(kept, "w").close()
+        self.offline(self.sequence, "twice", "--frames", 10, "--masks", "--set", "dense.enabled=false")
+        summary = self.summary("twice")
+        self.assertEqual(summary["ended"], "complete")
+        self.assertNotIn("cloud.pcd", summary["files"])
+        self.assertEqual(len(os.listdir(os.path.join(self.out("twice"), "masks"))), 11)
+        self.assertTrue(os.path.exists(kept), "only what a run writes is removed")
 
     def assert_one_error(self, done, named):
         self.assertIn(done.returncode, (1, 2))
@@ -206,6 +258,15 @@ class ToolsTest(unittest.TestCase):
                 self.assert_one_error(done, path)
         done = run("measure_motion", self.sequence, "--camera", self.camera, "--pictures", "/proc", "--every", 1)
         self.assert_one_error(done, "/proc/000000.png")
+
+    def test_output_that_cannot_be_written_is_no_success(self):
+        truth = f"{self.sequence}/groundtruth.txt"
+        with open("/dev/full", "w") as full:
+            done = subprocess.run([program("evaluate_trajectory"), truth, truth, "--json"], stdout=full,
+                                  stderr=subprocess.PIPE, universal_newlines=True, timeout=60)
+        self.assert_one_error(done, "standard output")
+        for option in ("--delta", "--max-gap"):
+            self.assert_one_error(run("evaluate_trajectory", truth, truth, option, "1e300"), option)
 
     def test_no_frames_are_none_to_run(self):
         for name, *options in (("run_offline", "--out", self.out("none")), ("measure_motion",), ("measure_growth",),

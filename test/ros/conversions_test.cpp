@@ -145,7 +145,7 @@ TEST(Conversions, ColourImageOutlivesItsMessage) {
   auto message = makeImage(encodings::MONO8, 2, 2, 1);
   message->data = {1, 2, 3, 4};
   const cv::Mat image = colourFromRos(message);
-  message->data.assign(4, 0);
+  EXPECT_EQ(image.data, message->data.data()) << "not copied";
   message.reset();
   EXPECT_EQ(image.at<std::uint8_t>(1, 1), 4);
 }
@@ -225,13 +225,13 @@ TEST(Conversions, AMotionReportKeepsAllButTheMask) {
   motion.labels = Stamp{5};
   motion.moving = cv::Mat1b(3, 4, std::uint8_t{0});
   motion.moving(1, 2) = 200;
-  const MotionResult back = fromRos(toRos(std_msgs::Header(), motion));
+  const MotionResult back = fromRos(boost::make_shared<MotionReport>(toRos(std_msgs::Header(), motion)));
   EXPECT_EQ(back.model, MotionModel::kHomography);
   EXPECT_EQ(back.inliers, 12);
   EXPECT_EQ(back.dynamic_share, 0.25);
   EXPECT_EQ(back.labels, Stamp{5});
   EXPECT_EQ(cv::countNonZero(back.moving != motion.moving), 0);
-  EXPECT_FALSE(fromRos(toRos(std_msgs::Header(), MotionResult())).labels);
+  EXPECT_FALSE(fromRos(boost::make_shared<MotionReport>(toRos(std_msgs::Header(), MotionResult()))).labels);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ import cv2
 import numpy
 import rosbag
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray
 from programs import program
 from semantic_vslam.msg import KeyframePoseArray, KeyframeStamped, TrackingReport
 from sensor_msgs.msg import CameraInfo, Image
@@ -42,9 +43,25 @@ class PipelineTest(unittest.TestCase):
         cls.bag = rospy.get_param("~bag", "") or rendered_bag()
         cls.frames = rospy.get_param("~frames", FRAMES)
         cls.give_frames(cls.bag)
+        cls.converted = cls.conversions()
         cls.out = tempfile.mkdtemp(dir=".")
         subprocess.check_call([program("run_offline"), cls.bag, "--out", cls.out, "--masks", "--frames", str(cls.frames),
                                "--set", "segmentation.model=" + rospy.get_param("~model")])
+
+    @classmethod
+    def conversions(cls):
+        counts = {}
+
+        def on_diagnostics(message):
+            for status in message.status:
+                for value in status.values:
+                    if value.key == "frames converted in this process":
+                        counts[status.name] = int(value.value)
+
+        subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, on_diagnostics)
+        time.sleep(2.5)  # each nodelet reports once a second
+        subscriber.unregister()
+        return set(counts.values())
 
     @staticmethod
     def keep(message, by_stamp):
@@ -89,6 +106,9 @@ class PipelineTest(unittest.TestCase):
     def test_every_frame_is_tracked(self):
         self.assertEqual(len(self.states), self.frames)
         self.assertTrue(all(state.has_mask for state in self.states.values()))
+
+    def test_a_frame_is_converted_once_for_all_nodelets(self):
+        self.assertEqual(self.converted, {self.frames}, "count in the diagnostics of each nodelet that takes images in")
 
     def test_every_keyframe_loses_the_same_pixels(self):
         offline = self.offline_removed()

@@ -5,37 +5,97 @@
 #include <gtest/gtest.h>
 
 #include <boost/make_shared.hpp>
+#include <boost/weak_ptr.hpp>
+#include <thread>
+#include <vector>
 
 namespace semantic_vslam {
 namespace {
 
 sensor_msgs::ImagePtr image(const char* encoding, std::uint32_t pixel_bytes) {
   auto message = boost::make_shared<sensor_msgs::Image>();
-  message->width = 8;
-  message->height = 6;
+  message->width = 64;
+  message->height = 48;
   message->encoding = encoding;
   message->step = message->width * pixel_bytes;
   message->data.resize(message->step * message->height);
   return message;
 }
 
-RgbdMessages pair(std::uint64_t index, const char* depth_encoding) {
+sensor_msgs::CameraInfoPtr cameraInfo() {
   auto info = boost::make_shared<sensor_msgs::CameraInfo>();
-  info->width = 8;
-  info->height = 6;
-  info->K = {10, 0, 4, 0, 10, 3, 0, 0, 1};
-  info->P = {10, 0, 4, 0, 0, 10, 3, 0, 0, 0, 1, 0};
-  return {index, image("bgr8", 3), image(depth_encoding, 2), info};
+  info->width = 64;
+  info->height = 48;
+  info->K = {50, 0, 32, 0, 50, 24, 0, 0, 1};
+  info->P = {50, 0, 32, 0, 0, 50, 24, 0, 0, 0, 1, 0};
+  return info;
 }
 
+RgbdMessages pair(std::uint64_t index, const char* depth_encoding = "32FC1", const char* colour_encoding = "bgr8") {
+  return {index, image(colour_encoding, 3), image(depth_encoding, 4), cameraInfo()};
+}
+
+std::shared_ptr<RgbdConverter> converter() { return std::make_shared<RgbdConverter>("", true); }
+
 TEST(RgbdConverter, FramesKeepTheNumberOfTheirPairAlsoWhenPairsBetweenAreLost) {
-  RgbdConverter converter{RgbdInputConfig()};
-  ASSERT_TRUE(converter.convert(pair(3, "16UC1")));
-  EXPECT_FALSE(converter.convert(pair(4, "mono16")));
-  const auto frame = converter.convert(pair(7, "16UC1"));
+  const auto input = converter();
+  ASSERT_TRUE(input->pending(pair(3)).decode());
+  EXPECT_FALSE(input->pending(pair(4, "mono16")).decode());
+  const auto frame = input->pending(pair(7)).decode();
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->index, 7U);
-  EXPECT_EQ(converter.refused(), 1U);
+  EXPECT_EQ(input->refusals().count(), 1U);
+  EXPECT_NE(input->refusals().last().find("mono16"), std::string::npos);
+}
+
+TEST(RgbdConverter, WhatNeedsNoConversionReachesTheStageInTheMemoryOfTheDriver) {
+  RgbdMessages messages = pair(0);
+  const auto* colour = messages.rgb->data.data();
+  const auto* depth = messages.depth->data.data();
+  boost::weak_ptr<const sensor_msgs::Image> message = messages.rgb;
+  std::optional<RgbdFrame> frame = converter()->pending(messages).decode();
+  messages = RgbdMessages();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->bgr.data, colour);
+  EXPECT_EQ(reinterpret_cast<const std::uint8_t*>(frame->depth_m.data), depth);
+  const cv::Mat kept = frame->bgr;
+  frame.reset();
+  EXPECT_FALSE(message.expired()) << "an image that is still used must keep its message";
+  const_cast<cv::Mat&>(kept).release();
+  EXPECT_TRUE(message.expired());
+}
+
+TEST(RgbdConverter, ConvertsAPairOnceForAllNodeletsOfAManager) {
+  constexpr int kNodelets = 4, kPairs = 20;
+  const auto input = RgbdConverter::of("rgb depth", "", true);
+  EXPECT_EQ(RgbdConverter::of("rgb depth", "", true), input);
+  EXPECT_NE(RgbdConverter::of("other", "", true), input) << "another camera has a converter of its own";
+  std::vector<std::vector<PendingFrame>> kept(kNodelets);  // each nodelet's pairs, that come in at different times
+  for (int i = 0; i < kPairs; ++i) {
+    const RgbdMessages messages = pair(i, "32FC1", "rgb8");
+    for (auto& frames : kept) frames.push_back(input->pending(messages));
+  }
+  std::vector<std::vector<const void*>> images(kNodelets);
+  std::vector<std::thread> stages;
+  for (int n = 0; n < kNodelets; ++n) {
+    stages.emplace_back([&, n] {
+      for (const PendingFrame& frame : kept[n]) images[n].push_back(frame.decode()->bgr.data);
+    });
+  }
+  for (std::thread& stage : stages) stage.join();
+  for (const auto& seen : images) EXPECT_EQ(seen, images.front());
+  EXPECT_EQ(input->converted(), static_cast<std::size_t>(kPairs));
+}
+
+TEST(RgbdConverter, NothingIsKeptThatNoStageKeeps) {
+  const auto input = converter();
+  RgbdMessages messages = pair(0);
+  const boost::weak_ptr<const sensor_msgs::Image> message = messages.rgb;
+  PendingFrame pending = input->pending(messages);
+  messages = RgbdMessages();
+  EXPECT_FALSE(message.expired());
+  pending = PendingFrame();
+  EXPECT_TRUE(message.expired());
 }
 
 }  // namespace

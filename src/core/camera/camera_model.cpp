@@ -11,10 +11,19 @@
 #include <vector>
 
 #include "core/camera/bilinear.h"
+#include "core/common/input_file.h"
 #include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
 namespace {
+
+// The table of rays, 8 bytes a pixel, is to have half a gigabyte at most.
+constexpr int kMostSidePx = 8192;
+
+/// From fish eyes to telescopes, looking anywhere near the image; written so that NaN is not.
+bool plausible(double focal_px, double centre_px, int side_px) {
+  return focal_px >= 0.01 * side_px && focal_px <= 1000.0 * side_px && std::abs(centre_px) <= 100.0 * side_px;
+}
 
 cv::Matx33d cameraMatrix(const CameraIntrinsics& k) { return {k.fx, 0, k.cx, 0, k.fy, k.cy, 0, 0, 1}; }
 
@@ -42,13 +51,14 @@ cv::Mat2f makeRayTable(const CameraIntrinsics& k) {
 
 CameraModel::CameraModel(const CameraIntrinsics& intrinsics) : intrinsics_(intrinsics) {
   const auto& k = intrinsics_;
-  if (k.width <= 0 || k.height <= 0) {
+  if (std::min(k.width, k.height) <= 0 || std::max(k.width, k.height) > kMostSidePx) {
     throw ConfigError("camera size is " + std::to_string(k.width) + "x" + std::to_string(k.height) +
-                      ", must be positive");
+                      ", each side must be in [1, " + std::to_string(kMostSidePx) + "] px");
   }
-  if (!(k.fx > 0 && k.fy > 0) || !std::isfinite(k.fx + k.fy + k.cx + k.cy)) {
-    throw ConfigError("camera focal lengths must be positive and finite (fx " + std::to_string(k.fx) + ", fy " +
-                      std::to_string(k.fy) + "); is the camera calibrated?");
+  if (!plausible(k.fx, k.cx, k.width) || !plausible(k.fy, k.cy, k.height)) {
+    throw ConfigError("camera focal lengths or principal point cannot be (fx " + std::to_string(k.fx) + ", fy " +
+                      std::to_string(k.fy) + ", cx " + std::to_string(k.cx) + ", cy " + std::to_string(k.cy) + " at " +
+                      std::to_string(k.width) + "x" + std::to_string(k.height) + "); is the camera calibrated?");
   }
   for (const double coefficient : k.distortion) {
     if (!std::isfinite(coefficient)) throw ConfigError("camera distortion has a value that is not finite");
@@ -85,7 +95,7 @@ CameraIntrinsics loadCameraFile(const std::string& path) {
   static const std::set<std::string> known = {"width", "height", "fx", "fy", "cx", "cy", "distortion"};
   CameraIntrinsics k;
   try {
-    const YAML::Node root = YAML::LoadFile(path);
+    const YAML::Node root = readYamlFile("camera file", path);
     if (!root.IsMap()) throw FileError("camera file '" + path + "' must be a YAML map");
     for (const auto& item : root) {
       const auto key = item.first.as<std::string>();
@@ -109,8 +119,6 @@ CameraIntrinsics loadCameraFile(const std::string& path) {
       }
       std::copy(values.begin(), values.end(), k.distortion.begin());
     }
-  } catch (const YAML::BadFile&) {
-    throw FileError("camera file '" + path + "' cannot be opened");
   } catch (const YAML::Exception& error) {
     throw FileError("camera file '" + path + "' is no valid camera description: " + error.what());
   }

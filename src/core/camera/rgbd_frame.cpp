@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 
+#include <algorithm>
 #include <opencv2/imgproc.hpp>
 
 #include "semantic_vslam/core/common/error.h"
@@ -14,10 +15,14 @@ constexpr float kMaxDepthM = 20.0F;
 
 std::string sizeText(const cv::Size& size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
 
+bool isUsable(float depth_m) { return depth_m >= 0.0F && depth_m <= kMaxDepthM; }  // written so that NaN is not
+
 cv::Mat1f depthInMetres(const cv::Mat& depth, double depth_unit_m) {
   cv::Mat1f metres;
   if (depth.type() == CV_32FC1) {
-    metres = depth.clone();
+    const cv::Mat1f given = depth;
+    if (std::all_of(given.begin(), given.end(), isUsable)) return given;
+    metres = given.clone();
   } else if (depth.type() == CV_16UC1) {
     depth.convertTo(metres, CV_32F, depth_unit_m);
   } else {
@@ -25,7 +30,7 @@ cv::Mat1f depthInMetres(const cv::Mat& depth, double depth_unit_m) {
                 ", must be 32FC1 (metres) or 16UC1 (millimetres)");
   }
   for (float& z : metres) {
-    if (!(z > 0.0F && z <= kMaxDepthM)) z = 0.0F;  // written so that NaN fails too
+    if (!isUsable(z)) z = 0.0F;
   }
   return metres;
 }

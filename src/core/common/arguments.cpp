@@ -8,6 +8,9 @@
 #include <cstdlib>
 #include <exception>
 
+#include "core/common/input_file.h"
+#include "semantic_vslam/core/common/error.h"
+
 namespace semantic_vslam {
 
 Arguments::Arguments(int argc, const char* const* argv, const std::set<std::string>& with_value,
@@ -60,10 +63,11 @@ std::vector<std::string> Arguments::values(const std::string& option) const {
 double Arguments::positiveNumber(const std::string& option, double default_value) const {
   const auto text = value(option);
   if (!text) return default_value;
+  constexpr double kMost = 1e9;  // as seconds it stays within a stamp
   char* end = nullptr;
   const double number = std::strtod(text->c_str(), &end);
-  if (text->empty() || *end != '\0' || !std::isfinite(number) || number <= 0.0) {
-    throw UsageError("option " + option + " is '" + *text + "', must be a positive number");
+  if (text->empty() || *end != '\0' || !(number > 0.0 && number <= kMost)) {
+    throw UsageError("option " + option + " is '" + *text + "', must be a positive number of 1e9 at most");
   }
   return number;
 }
@@ -87,12 +91,14 @@ int runTool(int argc, const char* const* argv, const std::string& usage, const s
   const std::string path = argv[0];
   const std::string name = path.substr(path.rfind('/') + 1);
   try {
-    return body();
+    const int status = body();
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw FileError("cannot write to standard output");
+    return status;
   } catch (const UsageError& error) {
-    std::fprintf(stderr, "%s: %s; --help shows the usage\n", name.c_str(), error.what());
+    std::fprintf(stderr, "%s: %s; --help shows the usage\n", name.c_str(), printable(error.what()).c_str());
     return 2;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: %s\n", name.c_str(), error.what());
+    std::fprintf(stderr, "%s: %s\n", name.c_str(), printable(error.what()).c_str());
     return 1;
   }
 }

@@ -39,7 +39,7 @@ class Arguments {
   std::optional<std::string> value(const std::string& option) const;
   /// @return every value given, in order.
   std::vector<std::string> values(const std::string& option) const;
-  /// @throws UsageError if the value is no finite, positive number.
+  /// @throws UsageError if the value is no positive number of 1e9 at most.
   double positiveNumber(const std::string& option, double default_value) const;
   /// @throws UsageError if the value is no whole number from `least`.
   std::size_t count(const std::string& option, std::size_t default_value, std::size_t least = 0) const;

@@ -8,9 +8,11 @@
 namespace semantic_vslam {
 
 /// A file that readers see with its old content or with the whole new one, never a part: the new content goes to a
-/// temporary file in the same folder, which takes the name on commit(). Without a commit the temporary is removed.
+/// temporary file in the same folder, which takes the name on commit(). Without a commit the temporary is removed. A
+/// link is followed, and permissions of an old file are kept.
 class AtomicFile {
  public:
+  /// Makes the temporary file. @throws FileError naming path if that fails, or path is a folder or device
   explicit AtomicFile(std::string path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
@@ -23,7 +25,7 @@ class AtomicFile {
   void commit();
 
  private:
-  std::string path_, temporary_;
+  std::string path_, target_, temporary_;
   bool committed_ = false;
 };
 
@@ -33,6 +35,9 @@ void writeFileAtomically(const std::string& path, const std::function<void(const
 
 /// Writes content as the whole of a file. @throws FileError naming path and cause (no such folder, disk full, ...).
 void writeTextAtomically(const std::string& path, const std::string& content);
+
+/// Removes the temporaries of programs that were killed.
+void removeLeftOvers(const std::string& folder);
 
 /// For the start of a long run that writes a file at its end. @throws FileError if that would fail
 void requireWritable(const std::string& path);

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/common/input_file.h"
 #include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
@@ -109,15 +110,13 @@ void flatten(const YAML::Node& node, const std::string& prefix, const std::strin
 
 std::vector<std::pair<std::string, std::string>> readConfigFile(const std::string& path) {
   std::vector<std::pair<std::string, std::string>> values;
+  const YAML::Node root = readYamlFile("configuration file", path);
+  if (root.IsNull()) return values;
+  if (!root.IsMap()) throw FileError("configuration file '" + path + "' must be a YAML map of keys");
   try {
-    const YAML::Node root = YAML::LoadFile(path);
-    if (root.IsNull()) return values;
-    if (!root.IsMap()) throw FileError("configuration file '" + path + "' must be a YAML map of keys");
     flatten(root, "", path, values);
-  } catch (const YAML::BadFile&) {
-    throw FileError("configuration file '" + path + "' cannot be opened");
   } catch (const YAML::Exception& error) {
-    throw FileError("configuration file '" + path + "' is no valid YAML: " + error.what());
+    throw FileError("configuration file '" + path + "' has a key that is no text: " + error.what());
   }
   return values;
 }

@@ -6,6 +6,8 @@
 #include <mutex>
 #include <utility>
 
+#include "core/common/input_file.h"
+
 namespace semantic_vslam {
 namespace {
 
@@ -29,7 +31,8 @@ void setLogSink(LogSink sink) {
   current_sink = std::move(sink);
 }
 
-void log(LogLevel level, const std::string& message) {
+void log(LogLevel level, const std::string& text) {
+  const std::string message = printable(text);
   LogSink sink;
   {
     std::lock_guard<std::mutex> lock(sink_mutex);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/dense/dense_mapper.h"
-#include "semantic_vslam/core/map/keyframe_pose.h"
+#include "semantic_vslam/core/geometry/timed_pose.h"
 
 namespace semantic_vslam {
 

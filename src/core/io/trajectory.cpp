@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/io/trajectory.h"
+#include "core/io/trajectory.h"
 
 #include <algorithm>
 #include <array>
@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "core/common/atomic_file.h"
+#include "core/common/input_file.h"
 #include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
@@ -23,7 +24,8 @@ constexpr std::int64_t kNsPerSecond = 1000000000;
 std::optional<Stamp> parseScientific(const std::string& text) {
   char* end = nullptr;
   const long double seconds = std::strtold(text.c_str(), &end);
-  if (end != text.c_str() + text.size() || !std::isfinite(seconds)) return std::nullopt;
+  constexpr long double kMostSeconds = 9.2e9;  // what 64 bits of nanoseconds hold
+  if (end != text.c_str() + text.size() || !(std::abs(seconds) <= kMostSeconds)) return std::nullopt;
   return Stamp{static_cast<std::int64_t>(std::llround(seconds * kNsPerSecond))};
 }
 
@@ -44,6 +46,10 @@ std::optional<TimedPose> parsePose(std::string line) {
   }
   if (!stamp) return std::nullopt;
   const auto& [x, y, z, qx, qy, qz, qw] = values;
+  // NaN, by which some tools mark what they do not know, passes.
+  constexpr double kFarthestM = 1e9, kLeastNorm = 1e-3;
+  if (std::abs(x) > kFarthestM || std::abs(y) > kFarthestM || std::abs(z) > kFarthestM) return std::nullopt;
+  if (Eigen::Vector4d(qx, qy, qz, qw).norm() < kLeastNorm) return std::nullopt;
   TimedPose pose;
   pose.stamp = *stamp;
   pose.T_world_camera = makeSE3(Eigen::Quaterniond(qw, qx, qy, qz), {x, y, z});
@@ -107,6 +113,7 @@ std::string formatStamp(Stamp stamp) {
 }
 
 std::vector<TimedPose> readTumTrajectory(const std::string& path) {
+  requireRegularFile("trajectory file", path);
   std::ifstream in(path);
   if (!in) throw FileError("trajectory file '" + path + "' cannot be opened");
   std::vector<TimedPose> poses;
@@ -116,7 +123,7 @@ std::vector<TimedPose> readTumTrajectory(const std::string& path) {
     const std::optional<TimedPose> pose = parsePose(line);
     if (!pose) {
       throw FileError("trajectory file '" + path + "', line " + std::to_string(number) +
-                      ": expected 'stamp tx ty tz qx qy qz qw'");
+                      ": expected 'stamp tx ty tz qx qy qz qw' (s, m up to 1e9, unit quaternion)");
     }
     if (pose->T_world_camera.matrix().allFinite()) poses.push_back(*pose);
   }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/io/tum_sequence.h"
+#include "core/io/tum_sequence.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -9,12 +9,13 @@
 #include <sstream>
 #include <utility>
 
+#include "core/common/input_file.h"
 #include "core/io/broken_frames.h"
 #include "core/io/image_file.h"
 #include "core/io/stamp_association.h"
+#include "core/io/trajectory.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
-#include "semantic_vslam/core/io/trajectory.h"
 
 namespace semantic_vslam {
 namespace {
@@ -25,6 +26,7 @@ constexpr double kTumDepthUnitM = 1.0 / 5000.0;
 
 /// Rows of whitespace-separated words; blank lines and comments left out.
 std::vector<std::vector<std::string>> readRows(const std::string& path, std::size_t words_per_row) {
+  requireRegularFile("list", path);
   std::ifstream in(path);
   if (!in) throw FileError("'" + path + "' is missing or cannot be opened; a TUM sequence needs it");
   std::vector<std::vector<std::string>> rows;

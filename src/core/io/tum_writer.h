@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "core/io/trajectory.h"
 #include "semantic_vslam/core/camera/camera_model.h"
-#include "semantic_vslam/core/io/trajectory.h"
 
 namespace semantic_vslam {
 

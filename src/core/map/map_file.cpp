@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -17,6 +18,7 @@
 #include <vector>
 
 #include "core/common/atomic_file.h"
+#include "core/common/input_file.h"
 #include "semantic_vslam/core/common/error.h"
 
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
@@ -139,6 +141,12 @@ Cameras collectCameras(const Map& map, std::vector<std::uint32_t>& camera_of_key
   return cameras;
 }
 
+/// Also refuses NaN.
+bool isPosition(const Eigen::Vector3d& p_m) {
+  constexpr double kFarthestM = 1e7;  // ten times what initial_pose takes
+  return p_m.cwiseAbs().maxCoeff() <= kFarthestM && p_m.allFinite();
+}
+
 void writeCamera(Writer& out, const CameraIntrinsics& k) {
   out.put<std::int32_t>(k.width);
   out.put<std::int32_t>(k.height);
@@ -152,9 +160,12 @@ std::shared_ptr<const CameraModel> readCamera(Reader& in) {
   k.height = in.get<std::int32_t>();
   for (double* value : {&k.fx, &k.fy, &k.cx, &k.cy}) *value = in.get<double>();
   for (double& value : k.distortion) value = in.get<double>();
-  constexpr int kMaxSidePx = 16384;
-  in.require(k.width > 0 && k.height > 0 && k.width <= kMaxSidePx && k.height <= kMaxSidePx && k.fx > 0 && k.fy > 0);
-  return std::make_shared<CameraModel>(k);
+  try {
+    return std::make_shared<CameraModel>(k);
+  } catch (const ConfigError&) {
+    in.require(false);
+    return nullptr;
+  }
 }
 
 void writeFeatures(Writer& out, const FrameFeatures& features) {
@@ -181,7 +192,9 @@ std::shared_ptr<const FrameFeatures> readFeatures(Reader& in) {
     f.angle_rad = in.get<float>();
     f.octave = in.get<std::uint8_t>();
     f.static_weight = in.get<float>();
-    in.require(f.octave < kPyramidLevels);
+    in.require(f.octave < kPyramidLevels && f.raw_px.allFinite() && f.undistorted_px.allFinite() &&
+               std::isfinite(f.depth_m) && std::isfinite(f.angle_rad) && f.static_weight >= 0.0F &&
+               f.static_weight <= 1.0F);
   }
   features->descriptors.create(static_cast<int>(features->size()), static_cast<int>(kDescriptorBytes));
   for (int i = 0; i < features->descriptors.rows; ++i) in.getBytes(features->descriptors.ptr(i), kDescriptorBytes);
@@ -208,6 +221,8 @@ Keyframe readKeyframe(Reader& in, const Cameras& cameras) {
   Eigen::Vector3d translation;
   in.getMatrix(rotation);
   in.getMatrix(translation);
+  const double skewed = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  in.require(skewed < 1e-3 && rotation.determinant() > 0.0 && isPosition(translation));  // NaN fails, too
   keyframe.T_camera_world.linear() = rotation;
   keyframe.T_camera_world.translation() = translation;
   const auto camera = in.get<std::uint32_t>();
@@ -251,6 +266,9 @@ Landmark readLandmark(Reader& in) {
   landmark.created_in = in.getId<KeyframeId>();
   landmark.visible_count = in.get<std::int32_t>();
   landmark.found_count = in.get<std::int32_t>();
+  in.require(isPosition(landmark.position_world) && landmark.mean_view_direction.allFinite() &&
+             landmark.min_distance_m >= 0.0 && landmark.max_distance_m >= landmark.min_distance_m &&
+             std::isfinite(landmark.max_distance_m) && landmark.visible_count >= 0 && landmark.found_count >= 0);
   const std::size_t observations = in.getCount(sizeof(std::uint64_t) + sizeof(std::int32_t));
   for (std::size_t i = 0; i < observations; ++i) {
     const auto keyframe = in.getId<KeyframeId>();
@@ -346,7 +364,12 @@ void parseMap(const std::string& content, const std::string& name, Map& map) {
   Reader in(content, checkHeader(content, name), name);
   const auto next_keyframe = in.get<std::uint64_t>();
   const auto next_landmark = in.get<std::uint64_t>();
-  Cameras cameras(in.getCount(1));
+  // New ones are numbered from these on: they must be far from their end, and the last one means "none".
+  constexpr std::uint64_t kMostIds = std::uint64_t{1} << 48;
+  in.require(next_keyframe < kMostIds && next_landmark < kMostIds);
+  constexpr std::size_t kCameraBytes = 2 * sizeof(std::int32_t) + 9 * sizeof(double), kMostCameras = 16;
+  Cameras cameras(in.getCount(kCameraBytes));
+  in.require(cameras.size() <= kMostCameras);  // each takes memory for a table of its pixels
   for (auto& camera : cameras) camera = readCamera(in);
   std::map<KeyframeId, Keyframe> keyframes;
   for (std::size_t i = in.getCount(1); i > 0; --i) {
@@ -368,6 +391,7 @@ void parseMap(const std::string& content, const std::string& name, Map& map) {
 void saveMap(const std::string& path, const Map& map) { writeTextAtomically(path, serializeMap(map)); }
 
 void loadMap(const std::string& path, Map& map) {
+  requireRegularFile("map file", path);
   std::ifstream file(path, std::ios::binary);
   if (!file) throw FileError("map file '" + path + "' cannot be opened: " + std::strerror(errno));
   const std::string content((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());

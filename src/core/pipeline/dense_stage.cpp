@@ -42,7 +42,7 @@ struct DenseStage::Inside {
   std::vector<KeyframePose> poses;  ///< newest known
   std::optional<std::uint32_t> map_id, newest_map_id;
   std::set<std::uint32_t> left_maps;
-  std::size_t changes = 0;
+  std::size_t changes = 0, culled = 0;
 };
 
 DenseStage::DenseStage(const DenseConfig& config, const RemovalConfig& removal)
@@ -75,9 +75,11 @@ void DenseStage::take(const MapSnapshot& map) {
   // What the sparse map has dropped nobody will place any more; of what is newer than this state of it nobody knows.
   std::uint64_t next = map.poses.empty() ? 0 : map.poses.back().keyframe.value() + 1;
   if (!map.unplaced.empty()) next = std::max(next, map.unplaced.back().value() + 1);
+  const std::size_t waited = inside_->waiting.size();
   inside_->waiting.keepOnly([&](KeyframeId id) {
     return id.value() >= next || std::binary_search(map.unplaced.begin(), map.unplaced.end(), id);
   });
+  inside_->culled += waited - inside_->waiting.size();
 }
 
 void DenseStage::take(const LabelSet& label_set) {
@@ -98,6 +100,7 @@ DenseMapper& DenseStage::map() { return *inside_->mapper; }
 const DenseMapper& DenseStage::map() const { return *inside_->mapper; }
 const LabelSet& DenseStage::labels() const { return inside_->label_set; }
 std::size_t DenseStage::waiting() const { return inside_->waiting.size(); }
+std::size_t DenseStage::culled() const { return inside_->culled; }
 std::size_t DenseStage::changes() const { return inside_->changes + inside_->mapper->rebuilds(); }
 
 }  // namespace semantic_vslam

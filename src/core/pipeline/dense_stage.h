@@ -39,6 +39,8 @@ class DenseStage {
   const LabelSet& labels() const;
   /// Keyframes whose place in the world is not known yet.
   std::size_t waiting() const;
+  /// Keyframes that the sparse map dropped before they were mapped.
+  std::size_t culled() const;
   /// Grows whenever the map that is served may have changed.
   std::size_t changes() const;
 

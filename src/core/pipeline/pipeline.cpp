@@ -52,7 +52,6 @@ class Pipeline::Stages {
   KeyframeInputs inputs_;
   DenseStage dense_;
   std::shared_ptr<const MapSnapshot> passed_back_;
-  std::optional<Stamp> last_stamp_;
 };
 
 Pipeline::Stages::Stages(const SystemConfig& config, LabelStage labels)
@@ -69,13 +68,11 @@ Pipeline::Stages::Stages(const SystemConfig& config, LabelStage labels)
 }
 
 StepResult Pipeline::Stages::step(const RgbdFrame& frame) {
-  if (last_stamp_ && frame.stamp <= *last_stamp_) {
+  std::optional<MotionResult> motion = findMotion(frame);
+  if (!motion) {
     logWarning("frame " + std::to_string(frame.index) + " is not newer than the one before it: passed over");
     return {};
   }
-  last_stamp_ = frame.stamp;
-  std::optional<MotionResult> motion = findMotion(frame);
-  if (!motion) return {};
   TrackingInput input{frame, *motion, {}, labels_.enabled()};
   if (tracking_.wantsLabels(input)) input.labels = label(frame);  // k1 must hold no people
   StepResult result{track(std::move(input)), std::move(*motion), {}};

@@ -15,7 +15,6 @@
 #include "core/pipeline/tracking_stage.h"
 #include "semantic_vslam/core/common/stage_timing.h"
 #include "semantic_vslam/core/geometry/timed_pose.h"
-#include "semantic_vslam/core/map/keyframe_pose.h"
 #include "semantic_vslam/core/pipeline/config.h"
 
 namespace semantic_vslam {

@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/runtime/latest_task.h"
 
+#include <exception>
+#include <string>
 #include <utility>
 
 #include "core/runtime/thread_priority.h"
+#include "semantic_vslam/core/common/log.h"
 
 namespace semantic_vslam {
 
@@ -53,7 +56,11 @@ void LatestTask::run() {
     next_.reset();
     const Flag abort = in_work_ = std::make_shared<std::atomic<bool>>(false);
     lock.unlock();
-    task(*abort);
+    try {
+      task(*abort);
+    } catch (const std::exception& error) {
+      logError(std::string("global adjustment is given up: ") + error.what());
+    }
     lock.lock();
     in_work_.reset();
     changed_.notify_all();

@@ -13,7 +13,8 @@
 namespace semantic_vslam {
 
 /// Runs tasks on a thread of its own, of low priority, of which only the newest matters: a new one aborts the one in
-/// work and replaces one that waits. All functions may be called by any thread, but not by the task itself.
+/// work and replaces one that waits. An
+/// exception costs the task, never the process. All functions may be called by any thread, but not by the task itself.
 class LatestTask {
  public:
   /// @param abort  set when the task's result is no longer wanted; it should look often and return soon

@@ -5,8 +5,6 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
-#include <optional>
-#include <string>
 #include <utility>
 
 #include "core/runtime/dense_runner.h"
@@ -14,7 +12,6 @@
 #include "core/runtime/motion_runner.h"
 #include "core/runtime/tracking_runner.h"
 #include "semantic_vslam/core/common/config_fields.h"
-#include "semantic_vslam/core/common/log.h"
 
 namespace semantic_vslam {
 namespace {
@@ -51,7 +48,6 @@ class PipelineRunner::Threads {
   const SystemConfig config_;
   const Sink sink_;
   std::size_t pushed_ = 0;
-  std::optional<Stamp> last_stamp_;
   std::atomic<std::size_t> tracked_{0};
   std::mutex error_mutex_;
   std::exception_ptr error_;  // guarded by error_mutex_
@@ -109,11 +105,6 @@ PipelineRunner::Threads::~Threads() {
 bool PipelineRunner::Threads::push(const RgbdFrame& frame) {
   if (failed_) return false;
   ++pushed_;
-  if (last_stamp_ && frame.stamp <= *last_stamp_) {
-    logWarning("frame " + std::to_string(frame.index) + " is not newer than the one before it: passed over");
-    return true;
-  }
-  last_stamp_ = frame.stamp;
   const PendingFrame pending{frame.stamp, 0, [frame] { return frame; }};
   // First to those who only keep it: when a frame is named a keyframe they have it.
   if (config_.dense.enabled) dense_->offer(pending);

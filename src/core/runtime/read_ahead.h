@@ -6,8 +6,8 @@
 #include <memory>
 #include <thread>
 
+#include "core/io/frame_source.h"
 #include "core/runtime/bounded_queue.h"
-#include "semantic_vslam/core/io/frame_source.h"
 
 namespace semantic_vslam {
 

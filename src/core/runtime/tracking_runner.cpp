@@ -63,10 +63,7 @@ void TrackingRunner::step(const PendingFrame& pending) {
     ++out_of_order_;
     return;
   }
-  if (upkeepIsDone()) {  // a recording that is played again has dropped the map: said before the next one begins
-    std::lock_guard<std::mutex> lock(step_mutex_);
-    tellChanges();
-  }
+  if (upkeepIsDone()) tellChanges();  // a recording that is played again has dropped the map: said before the next one
   std::optional<RgbdFrame> frame = pending.decode();
   if (!frame) return;
   TrackingInput input{std::move(*frame), {}, {}, false};
@@ -77,11 +74,10 @@ void TrackingRunner::step(const PendingFrame& pending) {
     const StepClock clock;
     output = track(input);
     hooks_.tracked(input, output, clock.elapsed());
-    // Where upkeep is due it will tell: the poses are not worth passing on before their adjustment.
-    if (output.keyframes.empty() && upkeepIsDone()) tellChanges();
     pending_upkeep_.with([&](int& pending) { pending += static_cast<int>(output.keyframes.size()); });
   }
-  requestUpkeep(output, input.frame.index);  // may wait for upkeep, which tells its changes between two frames
+  if (upkeepIsDone()) tellChanges();         // else upkeep will: poses are not worth passing on before their adjustment
+  requestUpkeep(output, input.frame.index);  // may wait for upkeep
 }
 
 /// Waits for the frame's motion mask. @return whether the frame is to be tracked
@@ -132,7 +128,7 @@ TrackingOutput TrackingRunner::track(const TrackingInput& input) {
   auto timer = times_.scope("tracking", input.frame.index);
   alone([&] { inbox_.deliver(stage_); });  // the classes of the labels that it waited for
   const TrackingStage::Prepared prepared = stage_.prepare(input);
-  const TrackingWishes wishes = hooks_.wishes ? hooks_.wishes() : TrackingWishes();
+  const TrackingWishes wishes = hooks_.wishes ? hooks_.wishes(input.frame.stamp) : TrackingWishes();
   const TrackOptions options{localization_only_, upkeepIsDone()};
   TrackingOutput output;
   alone([&] { output = stage_.track(input, prepared, options, wishes); });
@@ -157,7 +153,6 @@ void TrackingRunner::maintain(const Upkeep& upkeep) {
     const Done done{pending_upkeep_};
     maintainMap(upkeep);
   }
-  std::lock_guard<std::mutex> lock(step_mutex_);
   tellChanges();
 }
 
@@ -172,13 +167,17 @@ void TrackingRunner::maintainMap(const Upkeep& upkeep) {
   }
 }
 
-/// Call with step_mutex_ held.
+/// Takes time where the map is large, so nobody waits for it: who comes while another thread tells leaves it to that
+/// one.
 void TrackingRunner::tellChanges() {
-  std::shared_ptr<const MapSnapshot> now;
-  alone([&] { now = stage_.snapshot(); });
-  if (now == told_) return;
-  told_ = now;
-  hooks_.map_changed(now);
+  if (to_tell_.fetch_add(1) > 0) return;
+  int told_for = 0;
+  do {
+    told_for = to_tell_;
+    std::shared_ptr<const MapSnapshot> now;
+    alone([&] { now = stage_.snapshot(); });
+    if (std::exchange(told_, now) != now) hooks_.map_changed(now);
+  } while (to_tell_.fetch_sub(told_for) != told_for);
 }
 
 bool TrackingRunner::upkeepIsDone() {
@@ -209,7 +208,6 @@ void TrackingRunner::finish() {
   worker_.finish();
   upkeep_.finish();
   global_adjustment_.wait();
-  std::lock_guard<std::mutex> lock(step_mutex_);
   tellChanges();
 }
 

@@ -30,10 +30,10 @@ class TrackingRunner {
     /// A frame is done. No reset or loadMap() comes between a frame and this call.
     std::function<void(const TrackingInput&, const TrackingOutput&, StepTime)> tracked;
     /// Keyframes or their poses have changed: after a frame, or after the map's upkeep where some is due. One call at a
-    /// time, not beside `tracked`.
+    /// time, but it may be beside `tracked` and late: of a map that a reset has dropped meanwhile.
     std::function<void(const std::shared_ptr<const MapSnapshot>&)> map_changed;
-    std::function<void(Stamp)> labels_wanted;  ///< the start waits for this frame's labels
-    std::function<TrackingWishes()> wishes;    ///< what who looks at the results would like; may be empty
+    std::function<void(Stamp)> labels_wanted;     ///< the start waits for this frame's labels
+    std::function<TrackingWishes(Stamp)> wishes;  ///< what who looks at the results would like of a frame; may be empty
   };
   struct Counts {
     std::size_t without_mask = 0, skipped_with_motion = 0, waited_for_labels = 0, out_of_order = 0;
@@ -105,7 +105,8 @@ class TrackingRunner {
   std::mutex step_mutex_;                    ///< a frame and what is told of it are one with the map they belong to
   mutable std::mutex map_mutex_;             ///< taken after step_mutex_ where both are; the stage is used under it
   TrackingStage stage_;                      // guarded by map_mutex_, but for prepare()
-  std::shared_ptr<const MapSnapshot> told_;  // guarded by step_mutex_
+  std::atomic<int> to_tell_{0};              ///< calls of tellChanges() that the map has changed for
+  std::shared_ptr<const MapSnapshot> told_;  // of the thread that tells
   std::atomic<bool> abort_adjustment_{false};
   Monitor<int> pending_upkeep_;  ///< keyframes queued or in work
   LatestTask global_adjustment_;

@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 
+#include "core/common/input_file.h"
 #include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
@@ -217,11 +218,9 @@ ModelSidecar loadModelSidecar(const std::string& path) {
   sidecar.path = path;
   YAML::Node node;
   try {
-    node = YAML::LoadFile(path);
-  } catch (const YAML::BadFile&) {
-    throw ModelError("model sidecar '" + path + "' cannot be opened");
-  } catch (const YAML::Exception& error) {
-    throw ModelError("model sidecar '" + path + "' is no valid YAML: " + error.what());
+    node = readYamlFile("model sidecar", path);
+  } catch (const FileError& error) {
+    throw ModelError(error.what());
   }
   StrictMap root(node, path, "");
   root.get<std::string>("name", "a text", "");

@@ -66,6 +66,17 @@ TEST(CameraModel, RefusesIntrinsicsThatAreNoCamera) {
   k = freiburg1();
   k.distortion[2] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(CameraModel{k}, ConfigError);
+  for (double CameraIntrinsics::*value : {&CameraIntrinsics::fx, &CameraIntrinsics::fy, &CameraIntrinsics::cx}) {
+    for (const double wrong : {1e-300, 1e9, -1e9, std::numeric_limits<double>::quiet_NaN()}) {
+      if (value == &CameraIntrinsics::cx && wrong == 1e-300) continue;
+      k = freiburg1();
+      k.*value = wrong;
+      EXPECT_THROW(CameraModel{k}, ConfigError) << wrong;
+    }
+  }
+  k = freiburg1();
+  k.width = k.height = 30000;  // a table of rays of 7 GB
+  EXPECT_THROW(CameraModel{k}, ConfigError);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/io/trajectory.h"
+#include "core/io/trajectory.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -105,6 +105,16 @@ TEST(TumTrajectory, NamesFileAndLineOfAnError) {
   EXPECT_THROW(readTumTrajectory("/nonexistent/trajectory.txt"), FileError);
 }
 
+TEST(TumTrajectory, RefusesPosesThatCannotBe) {
+  for (const char* line :
+       {"1.0 0 0 0 0 0 0 0", "1.0 1e160 0 0 0 0 0 1", "1.0 0 0 -inf 0 0 0 1", "1e300 0 0 0 0 0 0 1"}) {
+    const std::string path = writeTemporary("cannot_be.txt", std::string(line) + "\n");
+    EXPECT_THROW(readTumTrajectory(path), FileError) << line;
+    std::remove(path.c_str());
+  }
+  EXPECT_THROW(readTumTrajectory("/dev/zero"), FileError);
+}
+
 TEST(TumTrajectory, UnwritableFolderIsAnErrorThatNamesTheFile) {
   for (const char* path : {"/nonexistent/folder/trajectory.txt", "/proc/trajectory.txt"}) {
     try {
@@ -160,6 +170,11 @@ TEST(AssociateStamps, TakesTheClosestPairFirstAndEachStampOnce) {
   ASSERT_EQ(pairs.size(), 2U);
   EXPECT_EQ(pairs[0], std::make_pair(std::size_t{1}, std::size_t{0}));
   EXPECT_EQ(pairs[1], std::make_pair(std::size_t{2}, std::size_t{1}));
+}
+
+TEST(AssociateStamps, RefusesToPairEverythingWithEverything) {
+  const std::vector<Stamp> all_the_same(20000);
+  EXPECT_THROW(associateStamps(all_the_same, all_the_same, 0.02), Error) << "9.6 GB";
 }
 
 TEST(AssociateStamps, GapIsExclusiveAndOrderOfInputDoesNotMatter) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "semantic_vslam/core/io/tum_sequence.h"
+#include "core/io/tum_sequence.h"
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/io/tum_sequence.h"
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/io/tum_sequence.h"
 
 namespace semantic_vslam {
 namespace {

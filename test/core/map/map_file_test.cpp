@@ -3,10 +3,13 @@
 #include "core/map/map_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <functional>
+#include <limits>
 
 #include "core/support/synthetic_map.h"
 #include "semantic_vslam/core/common/error.h"
@@ -148,6 +151,41 @@ TEST(MapFile, ContentThatContradictsItselfIsRefusedEvenWithAFittingChecksum) {
   std::map<KeyframeId, Keyframe> circle = good.keyframes();
   circle.at(KeyframeId(0)).parent = KeyframeId(5);  // whose parents lead back to it
   EXPECT_EQ(messageFor(circle), contradiction);
+}
+
+TEST(MapFile, ValuesThatCannotBeAreRefusedEvenWithAFittingChecksum) {
+  const Map good = makeMap();
+  const auto messageFor = [&good](const std::function<void(Keyframe&, Landmark&)>& spoil,
+                                  std::uint64_t next_keyframe = 0) {
+    std::map<KeyframeId, Keyframe> keyframes = good.keyframes();
+    std::unordered_map<LandmarkId, Landmark> landmarks = good.landmarks();
+    spoil(keyframes.begin()->second, landmarks.begin()->second);
+    Map broken, map;
+    broken.restore(std::move(keyframes), std::move(landmarks), std::max(next_keyframe, good.nextKeyframe()),
+                   good.nextLandmark());
+    return messageOf([&] { parseMap(serializeMap(broken), "x.map", map); });
+  };
+  EXPECT_EQ(messageFor([](Keyframe&, Landmark&) {}), "no error");
+  const std::string contradiction = "map file 'x.map' is damaged: its content contradicts itself; save it anew";
+  EXPECT_EQ(messageFor([](Keyframe&, Landmark&) {}, ~std::uint64_t{0}), contradiction) << "no id is left";
+  const double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (const double wrong : {kNan, 1e300, -1e300}) {
+    EXPECT_EQ(messageFor([&](Keyframe& k, Landmark&) { k.T_camera_world.translation().y() = wrong; }), contradiction);
+    EXPECT_EQ(messageFor([&](Keyframe& k, Landmark&) { k.T_camera_world.linear()(1, 1) = wrong; }), contradiction);
+    EXPECT_EQ(messageFor([&](Keyframe&, Landmark& l) { l.position_world.x() = wrong; }), contradiction);
+  }
+  EXPECT_EQ(messageFor([&](Keyframe&, Landmark& l) { l.max_distance_m = kNan; }), contradiction);
+  EXPECT_EQ(messageFor([&](Keyframe&, Landmark& l) { l.found_count = -1; }), contradiction);
+}
+
+TEST(MapFile, AFolderOrAPipeIsNoMapFile) {
+  Map map;
+  EXPECT_EQ(messageOf([&] { loadMap(testing::TempDir(), map); }),
+            "map file '" + testing::TempDir() + "' is a folder; name a file");
+  const std::string pipe = testing::TempDir() + "map_file_test.pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(messageOf([&] { loadMap(pipe, map); }), "map file '" + pipe + "' is no regular file; name a file");
+  std::remove(pipe.c_str());
 }
 
 TEST(MapFile, SavesAndLoadsByPathAndNamesWhatIsMissing) {

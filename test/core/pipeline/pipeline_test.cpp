@@ -190,6 +190,22 @@ TEST(Pipeline, AFrameThatIsNotNewerIsPassedOver) {
   EXPECT_TRUE(system.step(frames[2].frame).posed());
 }
 
+TEST(Pipeline, AClockThatIsSetBackKeepsTheMap) {
+  Pipeline system{SystemConfig()};
+  const auto& frames = walkingFrames();
+  for (int i = 0; i < 10; ++i) system.step(frames[i].frame);
+  const std::size_t keyframes = system.slam().keyframeCount();
+  int posed = 0;
+  for (int i = 5; i < 10; ++i) {
+    RgbdFrame earlier = frames[i].frame;
+    earlier.stamp.ns -= 10'000'000'000;
+    posed += system.step(earlier).posed() ? 1 : 0;
+  }
+  EXPECT_GE(posed, 3);
+  EXPECT_GE(system.slam().keyframeCount(), keyframes);
+  EXPECT_LE(system.trajectory().size(), 5U) << "the trajectory begins anew";
+}
+
 TEST(Pipeline, DarknessLosesNothingThatIsMapped) {
   Pipeline system{SystemConfig()};
   const auto& frames = walkingFrames();

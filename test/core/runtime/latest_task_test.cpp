@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <future>
+#include <new>
 #include <vector>
 
 namespace semantic_vslam {
@@ -82,6 +84,16 @@ TEST(LatestTask, CancelAndTheDestructorEndWhatIsInWork) {
   started.get_future().wait();
   cancelled.cancel();
   EXPECT_EQ(ended, 2);
+}
+
+TEST(LatestTask, AnExceptionCostsTheTaskNotTheProcess) {
+  LatestTask tasks;
+  tasks.start([](const std::atomic<bool>&) { throw std::bad_alloc(); });
+  tasks.wait();
+  std::atomic<bool> ran{false};
+  tasks.start([&](const std::atomic<bool>&) { ran = true; });
+  tasks.wait();
+  EXPECT_TRUE(ran);
 }
 
 }  // namespace

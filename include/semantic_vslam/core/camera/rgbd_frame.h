@@ -20,9 +20,11 @@ struct RgbdFrame {
   cv::Mat1b gray;           ///< height x width, 8-bit
   cv::Mat1f depth_m;        ///< height x width, metres along z, registered to colour; 0 = none, never NaN or negative
   std::shared_ptr<const CameraModel> camera;
+  std::string sensor_frame;  ///< name of the camera's frame of reference; empty where nobody asks
 };
 
 /// Checks sizes and types, makes gray, and turns every depth that is NaN, infinite, negative or beyond range into 0.
+/// Where there is nothing to change, the frame shares the memory of what is given.
 /// @param bgr      8-bit, 1 (gray) or 3 channels (BGR)
 /// @param depth    32FC1 in metres or 16UC1 in units of depth_unit_m
 /// @param depth_unit_m  metres per unit of a 16UC1 image (REP 118: 0.001; TUM PNG: 0.0002)

@@ -12,7 +12,6 @@
 #include "semantic_vslam/core/common/ids.h"
 #include "semantic_vslam/core/common/stamp.h"
 #include "semantic_vslam/core/geometry/timed_pose.h"
-#include "semantic_vslam/core/map/keyframe_pose.h"
 #include "semantic_vslam/core/motion/motion_result.h"
 #include "semantic_vslam/core/tracking/tracking_state.h"
 

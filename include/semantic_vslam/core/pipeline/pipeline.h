@@ -28,7 +28,8 @@ class Pipeline {
   Pipeline(const SystemConfig& config, std::unique_ptr<Segmenter> segmenter);
   ~Pipeline();
 
-  /// @param frame  stamps must grow; a frame whose stamp does not is passed over with a warning
+  /// @param frame  stamps must grow; a frame whose stamp does not is passed over with a warning, but for one that is
+  /// older by more than 5 s: the clock was set back, and the trajectory begins anew
   StepResult step(const RgbdFrame& frame);
   /// Brings the dense map to the keyframes' last poses. Call before reading results.
   void finish();

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "semantic_vslam/core/io/frame_source.h"
+#include "core/io/frame_source.h"
 
 namespace semantic_vslam {
 

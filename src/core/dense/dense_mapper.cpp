@@ -169,6 +169,14 @@ std::vector<LabelledPoint> DenseMapper::cloud() const {
   return voxelFilter(points, config_.cloud_resolution_m);
 }
 
+std::vector<KeyframePose> DenseMapper::poses() const {
+  std::vector<KeyframePose> poses;
+  for (const auto& [id, T_world_camera] : served_.T_world_camera) {
+    poses.push_back({id, keyframes_.at(id).cloud.stamp, T_world_camera});
+  }
+  return poses;
+}
+
 OccupancyGrid DenseMapper::projectedMap(const SE3& T_map_world) const {
   return projectToGrid(served_.voxels, T_map_world, config_.grid);
 }

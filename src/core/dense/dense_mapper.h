@@ -72,6 +72,8 @@ class DenseMapper {
   const LabelSet& labels() const { return labels_; }
   std::size_t voxels() const { return served_.voxels.size(); }  ///< known, in the served map
   std::size_t keyframes() const { return keyframes_.size(); }   ///< held
+  /// Of the keyframes that the served map was built from, as it was.
+  std::vector<KeyframePose> poses() const;
   std::size_t rebuilds() const { return rebuilds_; }            ///< completed
   std::size_t memoryBytes() const;                              ///< of the kept clouds and the voxel maps
 

@@ -19,11 +19,9 @@ constexpr double kPxPerM = 100.0;
 cv::Mat3b drawBesideTruth(const std::vector<LabelledPoint>& map, const std::vector<LabelledPoint>& wrong,
                           const cv::Mat3b& right_view, const SE3& T_world_camera, const CameraModel& camera,
                           double point_size_m) {
-  std::vector<LabelledPoint> marked = map;
-  for (LabelledPoint point : wrong) {
-    point.bgr = kRed;
-    marked.push_back(point);
-  }
+  std::vector<LabelledPoint> marked = wrong;  // first: of two at one depth the first is drawn
+  for (LabelledPoint& point : marked) point.bgr = kRed;
+  marked.insert(marked.end(), map.begin(), map.end());
   const cv::Mat3b view =
       renderCloud(marked, T_world_camera, camera, point_size_m, [](const LabelledPoint& p) { return p.bgr; });
   cv::Mat3b both;

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
 
 #include "core/dense/keyframe_cloud.h"
 #include "core/dense/voxel_key.h"
@@ -49,12 +49,12 @@ RoomComparison compareWithEmptyRoom(const std::vector<LabelledPoint>& map, const
   RoomComparison result;
   result.points = cubes.size();
   result.empty_points = empty_cubes.size();
-  for (const LabelledPoint& point : cubes) {
-    if (!empty_index.hasNear(point.position(), kLeftOverM)) result.left_over_points.push_back(point);
-  }
+  const auto leftOver = [&](const LabelledPoint& p) { return !empty_index.hasNear(p.position(), kLeftOverM); };
+  const auto left_over = std::count_if(cubes.begin(), cubes.end(), leftOver);
+  std::copy_if(map.begin(), map.end(), std::back_inserter(result.left_over_points), leftOver);
   const auto found = std::count_if(empty_cubes.begin(), empty_cubes.end(),
                                    [&](const LabelledPoint& p) { return index.hasNear(p.position(), kFoundM); });
-  result.left_over = share(result.left_over_points.size(), cubes.size());
+  result.left_over = share(static_cast<std::size_t>(left_over), cubes.size());
   result.found_again = share(static_cast<std::size_t>(found), empty_cubes.size());
   return result;
 }
@@ -182,7 +182,8 @@ GridScore scoreGrid(const OccupancyGrid& grid, double low_m, double high_m, cons
 
 std::map<std::uint8_t, ObjectScore> scoreObjects(const std::vector<MapObject>& objects, const SeenRoom& room) {
   constexpr double kOnThingM = 0.5;
-  const std::vector<SeenRoom::Thing> things = room.things(kLeastSeen);
+  // Small things may be listed, but need not be.
+  const std::vector<SeenRoom::Thing> things = room.things(5);
   std::vector<std::vector<const MapObject*>> on_thing(things.size());
   std::map<std::uint8_t, ObjectScore> scores;
   for (const MapObject& object : objects) {
@@ -205,6 +206,7 @@ std::map<std::uint8_t, ObjectScore> scoreObjects(const std::vector<MapObject>& o
     }
   }
   for (std::size_t i = 0; i < things.size(); ++i) {
+    if (things[i].surface.size() < kLeastSeen) continue;
     ObjectScore& score = scores[things[i].label];
     ++score.things;
     if (on_thing[i].empty()) ++score.missing;

@@ -362,7 +362,7 @@ int measureFolder(const Arguments& arguments, const Options& options) {
   const cv::Mat3b empty_view =
       renderCloud(empty_cloud, view, *sequence.camera(), size_m, [](const LabelledPoint& point) { return point.bgr; });
   writeImageFile(options.out + "/map.png",
-                 drawBesideTruth(cloud, comparison.left_over_points, empty_view, view, *sequence.camera(), 2 * size_m));
+                 drawBesideTruth(cloud, comparison.left_over_points, empty_view, view, *sequence.camera(), size_m));
   return 0;
 }
 

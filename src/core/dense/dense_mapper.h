@@ -57,6 +57,7 @@ class DenseMapper {
   /// One point per cube of cloud_resolution_m on an occupied voxel: mean position and colour, label by the votes of all
   /// keyframes. World frame, in a fixed order.
   std::vector<LabelledPoint> cloud() const;
+  /// Heights are counted from the floor that the map shows, see floorOf(); what it finds is said once in the log.
   /// @param T_map_world  into a frame with z up
   OccupancyGrid projectedMap(const SE3& T_map_world) const;
   OctreeMessage binaryOctree() const { return semantic_vslam::binaryOctree(served_.voxels); }
@@ -74,8 +75,8 @@ class DenseMapper {
   std::size_t keyframes() const { return keyframes_.size(); }   ///< held
   /// Of the keyframes that the served map was built from, as it was.
   std::vector<KeyframePose> poses() const;
-  std::size_t rebuilds() const { return rebuilds_; }            ///< completed
-  std::size_t memoryBytes() const;                              ///< of the kept clouds and the voxel maps
+  std::size_t rebuilds() const { return rebuilds_; }  ///< completed
+  std::size_t memoryBytes() const;                    ///< of the kept clouds and the voxel maps
 
  private:
   struct Kept {
@@ -102,7 +103,9 @@ class DenseMapper {
   LabelSet labels_;
   std::map<KeyframeId, Kept> keyframes_;
   std::size_t kept_bytes_ = 0;
-  bool warned_ = false;  ///< that memory_mb is used up
+  enum class FloorTold { kNothing, kMissing, kFound };
+  mutable FloorTold floor_told_ = FloorTold::kNothing;  ///< what the log has; changes nothing that is served
+  bool warned_ = false;                                 ///< that memory_mb is used up
   Version served_;
   std::optional<Version> next_;
   std::size_t rebuilds_ = 0;

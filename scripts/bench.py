@@ -13,6 +13,7 @@ import statistics
 import subprocess
 import sys
 
+import bench_dense
 import bench_map
 import bench_motion
 import bench_variations
@@ -104,6 +105,7 @@ def parse_arguments():
     part.add_argument("--variations", dest="part", action="store_const", const="variations",
                       help="Each sequence backwards, from other frames, slower, and with worse pictures, without a network "
                            "and with it")
+    part.add_argument("--dense", dest="part", action="store_const", const="dense", help=bench_dense.dense.__doc__)
     part.add_argument("--backend", dest="part", action="store_const", const="backend",
                       help="All figures of the first sequence and its map in one table, with --places, --recovery, "
                            "--growth and --loops, each beside what is asked. Takes hours with all --seeds")
@@ -193,6 +195,9 @@ def main():
         results, text = run_map_part(arguments.part, sequences[0], arguments.camera, arguments.seeds)
     elif arguments.part == "variations":
         results, text = run_variations(sequences, arguments.camera, arguments.network, arguments.only, arguments.frames, out_dir)
+    elif arguments.part == "dense":
+        results, text = bench_dense.dense(run, PROGRAMS, lambda line: print(f"[bench] {line}", flush=True), out_dir, sequences,
+                                          arguments.camera, os.path.join(DATA, DEFAULT_SEQUENCES[0]))
     elif arguments.part == "backend":
         results, text = run_backend(sequences[0], arguments.camera, arguments.runs or 1, arguments.seeds, out_dir)
     elif arguments.part:

@@ -18,10 +18,10 @@ ScenarioSource::ScenarioSource(const Scenario& scenario, const CameraIntrinsics&
 
 std::optional<RgbdFrame> ScenarioSource::next() {
   if (next_ >= truth_.size()) return std::nullopt;
-  SyntheticFrame rendered = room_.render(room_.frameTime(static_cast<int>(next_)));
-  mask_ = rendered.person_mask | rendered.moving_mask;
-  rendered.frame.index = next_++;
-  return rendered.frame;
+  rendered_ = room_.render(room_.frameTime(static_cast<int>(next_)));
+  mask_ = rendered_.person_mask | rendered_.moving_mask;
+  rendered_.frame.index = next_++;
+  return rendered_.frame;
 }
 
 CameraIntrinsics syntheticCamera(const std::string& size) {

@@ -23,12 +23,16 @@ class ScenarioSource : public FrameSource {
   std::shared_ptr<const CameraModel> camera() const override { return camera_; }
   const std::vector<TimedPose>& groundTruth() const override { return truth_; }
   cv::Mat1b groundTruthMask() const override { return mask_; }
+  /// All that is true of the frame that next() returned last.
+  const SyntheticFrame& rendered() const { return rendered_; }
+  const SyntheticRoom& room() const { return room_; }
 
  private:
   SyntheticRoom room_;
   std::shared_ptr<const CameraModel> camera_;
   std::vector<TimedPose> truth_;
   cv::Mat1b mask_;
+  SyntheticFrame rendered_;
   std::size_t next_ = 0;
 };
 

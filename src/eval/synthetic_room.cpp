@@ -67,10 +67,19 @@ class SyntheticRoom::Impl {
       bodies_.emplace_back(scene_, person.look_seed);
       motions_.emplace_back(person, scenario_.duration_s);
     }
-    for (const auto& spec : scenario_.props) props_.push_back({makeProp(spec, scene_), spec});
+    for (const auto& spec : scenario_.props) props_.push_back({scene_.numbered(makeProp(spec, scene_)), spec});
   }
 
   const Scenario& scenario() const { return scenario_; }
+
+  Primitives standingAtTheEnd() const {
+    Primitives all = scene_.primitives;
+    for (const Prop& prop : props_) {
+      const bool carried = prop.spec.carrier >= 0 && scenario_.people[prop.spec.carrier].release_s > scenario_.duration_s;
+      if (!carried) append(all, placed(prop.parts, propPose(prop.spec, scenario_.duration_s)));
+    }
+    return all;
+  }
 
   SyntheticFrame render(double time_s) const {
     std::vector<FloorShadow> shadows, unused;
@@ -171,6 +180,7 @@ SyntheticRoom::~SyntheticRoom() = default;
 
 SyntheticFrame SyntheticRoom::render(double time_s) const { return impl_->render(time_s); }
 Stamp SyntheticRoom::stampAt(double time_s) { return Stamp::fromSeconds(kStartS + time_s); }
+Primitives SyntheticRoom::standingAtTheEnd() const { return impl_->standingAtTheEnd(); }
 const Scenario& SyntheticRoom::scenario() const { return impl_->scenario(); }
 int SyntheticRoom::frameCount() const {
   return std::max(1, static_cast<int>(std::lround(impl_->scenario().duration_s * impl_->scenario().fps)));

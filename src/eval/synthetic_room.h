@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "eval/scenario.h"
+#include "eval/synthetic/scene.h"
 #include "semantic_vslam/core/camera/camera_model.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/common/label_set.h"
@@ -41,6 +42,9 @@ class SyntheticRoom {
   SyntheticFrame render(double time_s) const;
   /// Stamp of the frame rendered at a time: 1000 s later, since stamp 0 means "none" in ROS.
   static Stamp stampAt(double time_s);
+
+  /// The solids that a true map of the whole recording holds: the room and what nobody carries when it ends.
+  synthetic::Primitives standingAtTheEnd() const;
 
   const Scenario& scenario() const;
   /// Number of frames of the whole scenario at its frame rate.

@@ -13,6 +13,7 @@ from unittest import mock
 
 sys.path.append(os.path.join(os.path.dirname(__file__), "..", "..", "scripts"))
 import bench
+import bench_dense
 import bench_map
 
 
@@ -38,6 +39,15 @@ class BenchTest(unittest.TestCase):
     def test_a_start_that_finds_no_place_or_finds_it_late_has_one(self):
         for needed in ([1, -1], [1, 11]):
             self.assertEqual(missed(self.recovery(frames_needed=needed)), ["saved map: posed after, frames"])
+
+    def test_a_map_s_figures_have_a_star_where_they_miss_what_is_asked(self):
+        room = {"points_within_2cm": 0.96, "voxels_beyond_5cm": 0.012, "voxels_of_people": 0.0, "surface_found": 0.9,
+                "labels_right": 0.99, "insertion_ms": 20.0, "grid": {"free": 700, "free_on_obstacle": 0},
+                "objects": {"chair": {"things": 3, "listed_once": 2, "centroid_error_m": [0.02, 0.05]}}}
+        self.assertEqual(missed(bench_dense.rooms_table([room])),
+                         ["voxels beyond 5 cm of anything, %", "chair: listed once; centroid off, m (mid, worst)"])
+        text = bench_dense.sequence_table("walk", {"left_over": 0.004, "found_again": 0.91})
+        self.assertEqual(missed(text), ["walk: empty room found again, %"])
 
     def test_growth_counts_from_the_second_pass(self):
         numbers = {"keyframes": [10, 20, 24], "landmarks": [10, 20, 25], "map_bytes": [1, 1, 1]}

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <iterator>
 #include <string>
 #include <utility>
@@ -29,7 +30,7 @@ bool fits(const RgbdFrame& frame, const cv::Mat1b& image) {
 }
 
 std::size_t bytesOf(const KeyframeCloud& cloud, const FreeSpaceView& view) {
-  return cloud.points.capacity() * sizeof(LabelledPoint) + view.free_mm.total() * sizeof(std::uint16_t);
+  return cloud.points.capacity() * sizeof(LabelledPoint) + view.bytes();
 }
 
 cv::Vec3f transform(const SE3& T, const cv::Vec3f& p) {
@@ -58,11 +59,11 @@ bool DenseMapper::add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& la
                       const SE3& T_world_camera) {
   const bool usable = frame.camera != nullptr && !frame.depth_m.empty() && fits(frame, labels) && fits(frame, dynamic);
   if (!usable || !inReach(T_world_camera) || keyframes_.count(id) > 0) return false;
-  const cv::Mat1b excluded = excludedPixels(frame.depth_m.size(), labels, dynamic, labels_, config_.keyframe);
+  const cv::Mat1b excluded = excludedPixels(frame.depth_m, labels, dynamic, labels_, config_.keyframe);
   Kept kept;
   kept.cloud = makeKeyframeCloud(id, frame, labels, excluded, config_.keyframe);
   kept.cloud.points = voxelFilter(kept.cloud.points, config_.cloud_resolution_m);
-  kept.view = makeFreeSpaceView(frame, excluded, config_.keyframe.depth_noise.surfaces_m);
+  kept.view = makeFreeSpaceView(frame, excluded, config_.keyframe);
   kept.T_world_camera = T_world_camera;
   kept_bytes_ += bytesOf(kept.cloud, kept.view);
   keyframes_.emplace(id, std::move(kept));
@@ -174,19 +175,45 @@ std::map<KeyframeId, DenseMapper::Kept>::iterator DenseMapper::forget(std::map<K
 }
 
 std::vector<LabelledPoint> DenseMapper::cloud() const {
+  constexpr double kPoseErrorM = 0.015;
   std::vector<LabelledPoint> points;
   for (const auto& [id, T_world_camera] : served_.T_world_camera) {
-    for (const LabelledPoint& point : keyframes_.at(id).cloud.points) {
-      const cv::Vec3f xyz_m = transform(T_world_camera, point.xyz_m);
-      const Voxel voxel = served_.voxels.voxelAt({xyz_m[0], xyz_m[1], xyz_m[2]});
-      if (voxel.state == Occupancy::kOccupied) points.push_back({xyz_m, point.bgr, voxel.label});
+    for (LabelledPoint point : keyframes_.at(id).cloud.points) {
+      const auto depth_m = static_cast<double>(point.xyz_m[2]);
+      point.xyz_m = transform(T_world_camera, point.xyz_m);
+      // Farther from the surface than noise brings it, a point is of something else, which is gone.
+      const double most_m = kPoseErrorM + 3.0 * config_.keyframe.depth_noise.surfaces_m * depth_m * depth_m;
+      if (!served_.voxels.moveOntoSurface(point, most_m)) continue;
+      const Voxel voxel = served_.voxels.voxelAt(point.position());
+      if (voxel.state == Occupancy::kOccupied) points.push_back({point.xyz_m, point.bgr, voxel.label});
     }
   }
   return voxelFilter(points, config_.cloud_resolution_m);
 }
 
+std::vector<KeyframePose> DenseMapper::poses() const {
+  std::vector<KeyframePose> poses;
+  for (const auto& [id, T_world_camera] : served_.T_world_camera) {
+    poses.push_back({id, keyframes_.at(id).cloud.stamp, T_world_camera});
+  }
+  return poses;
+}
+
 OccupancyGrid DenseMapper::projectedMap(const SE3& T_map_world) const {
-  return projectToGrid(served_.voxels, T_map_world, config_.grid);
+  constexpr std::size_t kPatience = 20;  // keyframes without a floor, until it is said
+  if (!config_.grid.find_floor) return projectToGrid(served_.voxels, T_map_world, config_.grid);
+  const std::optional<Floor> floor = floorOf(served_.voxels, T_map_world, config_.grid);
+  if (floor && std::exchange(floor_told_, FloorTold::kFound) != FloorTold::kFound) {
+    char text[120];
+    std::snprintf(text, sizeof(text), "floor found at %.2f m in the map frame, tilted by %.1f degrees",
+                  floor->offset_m / floor->up.z(), floor->tiltDeg());
+    logInfo(text);
+  } else if (!floor && floor_told_ == FloorTold::kNothing && keyframes() >= kPatience) {
+    floor_told_ = FloorTold::kMissing;
+    logWarning("no floor is seen: the grid counts heights from dense.grid.floor_height_m of the map frame");
+  }
+  return floor ? projectToGrid(served_.voxels, T_map_world, config_.grid, *floor)
+               : projectToGrid(served_.voxels, T_map_world, config_.grid);
 }
 
 void DenseMapper::saveCloud(const std::string& path) const { writePcd(cloud(), path); }

@@ -57,6 +57,7 @@ class DenseMapper {
   /// One point per cube of cloud_resolution_m on an occupied voxel: mean position and colour, label by the votes of all
   /// keyframes. World frame, in a fixed order.
   std::vector<LabelledPoint> cloud() const;
+  /// Heights are counted from the floor that the map shows, see floorOf(); what it finds is said once in the log.
   /// @param T_map_world  into a frame with z up
   OccupancyGrid projectedMap(const SE3& T_map_world) const;
   OctreeMessage binaryOctree() const { return semantic_vslam::binaryOctree(served_.voxels); }
@@ -72,8 +73,10 @@ class DenseMapper {
   const LabelSet& labels() const { return labels_; }
   std::size_t voxels() const { return served_.voxels.size(); }  ///< known, in the served map
   std::size_t keyframes() const { return keyframes_.size(); }   ///< held
-  std::size_t rebuilds() const { return rebuilds_; }            ///< completed
-  std::size_t memoryBytes() const;                              ///< of the kept clouds and the voxel maps
+  /// Of the keyframes that the served map was built from, as it was.
+  std::vector<KeyframePose> poses() const;
+  std::size_t rebuilds() const { return rebuilds_; }  ///< completed
+  std::size_t memoryBytes() const;                    ///< of the kept clouds and the voxel maps
 
  private:
   struct Kept {
@@ -101,8 +104,10 @@ class DenseMapper {
   LabelSet labels_;
   std::map<KeyframeId, Kept> keyframes_;
   std::size_t kept_bytes_ = 0;
-  bool warned_ = false;           ///< that memory_mb is used up
-  bool warned_of_reach_ = false;  ///< that a pose is out of reach
+  enum class FloorTold { kNothing, kMissing, kFound };
+  mutable FloorTold floor_told_ = FloorTold::kNothing;  ///< what the log has; changes nothing that is served
+  bool warned_ = false;                                 ///< that memory_mb is used up
+  bool warned_of_reach_ = false;                        ///< that a pose is out of reach
   Version served_;
   std::optional<Version> next_;
   std::size_t rebuilds_ = 0;

@@ -6,33 +6,71 @@
 #include <cassert>
 #include <cmath>
 
-namespace semantic_vslam {
+#include "core/dense/keyframe_cloud.h"
 
-FreeSpaceView makeFreeSpaceView(const RgbdFrame& frame, const cv::Mat1b& excluded, double depth_noise_m_per_m2,
+namespace semantic_vslam {
+namespace {
+
+/// What falls into one cell.
+struct CellSums {
+  int pixels = 0, surface_pixels = 0;
+  float nearest_m = 0.0F, inverse_sum = 0.0F;
+  bool silenced = false;
+};
+
+}  // namespace
+
+FreeSpaceView makeFreeSpaceView(const RgbdFrame& frame, const cv::Mat1b& excluded, const KeyframeCloudConfig& config,
                                 int cell_px) {
   assert(excluded.empty() || excluded.size() == frame.depth_m.size());
   const CameraModel& camera = *frame.camera;
   const int cols = camera.width() / cell_px, rows = camera.height() / cell_px;
-  FreeSpaceView view{cv::Mat1w(rows, cols, std::uint16_t{0}), camera.fx() / cell_px, camera.fy() / cell_px,
-                     (camera.cx() + 0.5) / cell_px - 0.5, (camera.cy() + 0.5) / cell_px - 0.5};
-  const auto noise = static_cast<float>(3.0 * depth_noise_m_per_m2);
-  cv::Mat1b silenced(rows, cols, std::uint8_t{0});
+  FreeSpaceView view;
+  view.free_mm.create(rows, cols);
+  view.inverse_depth.create(rows, cols);
+  view.fx_cells = camera.fx() / cell_px;
+  view.fy_cells = camera.fy() / cell_px;
+  view.cx_cells = (camera.cx() + 0.5) / cell_px - 0.5;
+  view.cy_cells = (camera.cy() + 0.5) / cell_px - 0.5;
+  view.undisturbed = excluded.empty() || cv::countNonZero(excluded) == 0;
+  view.noise_m_per_m2 = config.depth_noise.surfaces_m;
+  const auto min_m = static_cast<float>(config.min_depth_m), max_m = static_cast<float>(config.max_depth_m);
+  const cv::Mat1b edges = depthEdges(frame.depth_m, camera.fx(), config);
+  std::vector<CellSums> cells(static_cast<std::size_t>(rows) * cols);
   for (int v = 0; v < frame.depth_m.rows; ++v) {
     for (int u = 0; u < frame.depth_m.cols; ++u) {
       const cv::Vec2f& ray = camera.rays()(v, u);
       const int col = static_cast<int>(std::lround(view.fx_cells * ray[0] + view.cx_cells));
       const int row = static_cast<int>(std::lround(view.fy_cells * ray[1] + view.cy_cells));
       if (col < 0 || row < 0 || col >= cols || row >= rows) continue;
-      if (!excluded.empty() && excluded(v, u) != 0) silenced(row, col) = 255;
+      CellSums& cell = cells[static_cast<std::size_t>(row) * cols + col];
+      ++cell.pixels;
+      if (!excluded.empty() && excluded(v, u) != 0) cell.silenced = true;
       const float z_m = frame.depth_m(v, u);
       if (z_m <= 0.0F) continue;
-      const float free_m = z_m - noise * z_m * z_m;
-      const auto free_mm = static_cast<std::uint16_t>(std::clamp(free_m * 1000.0F, 1.0F, 65535.0F));
-      std::uint16_t& nearest = view.free_mm(row, col);
-      if (nearest == 0 || free_mm < nearest) nearest = free_mm;
+      if (cell.nearest_m == 0.0F || z_m < cell.nearest_m) cell.nearest_m = z_m;
+      if (edges(v, u) != 0 || z_m < min_m || z_m > max_m) continue;
+      cell.inverse_sum += 1.0F / z_m;
+      ++cell.surface_pixels;
     }
   }
-  view.free_mm.setTo(0, silenced);
+  const auto noise = static_cast<float>(3.0 * view.noise_m_per_m2);
+  for (int row = 0; row < rows; ++row) {
+    for (int col = 0; col < cols; ++col) {
+      const CellSums& cell = cells[static_cast<std::size_t>(row) * cols + col];
+      std::uint16_t& free_mm = view.free_mm(row, col);
+      float& inverse = view.inverse_depth(row, col);
+      free_mm = 0;
+      inverse = 0.0F;
+      if (cell.silenced || cell.pixels == 0) continue;
+      const float free_m = cell.nearest_m - noise * cell.nearest_m * cell.nearest_m;
+      free_mm = cell.nearest_m == 0.0F ? FreeSpaceView::kNoReturn
+                                       : static_cast<std::uint16_t>(std::clamp(free_m * 1000.0F, 1.0F, 65534.0F));
+      if (2 * cell.surface_pixels >= cell.pixels) {
+        inverse = cell.inverse_sum / static_cast<float>(cell.surface_pixels);
+      }
+    }
+  }
   return view;
 }
 

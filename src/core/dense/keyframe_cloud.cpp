@@ -36,15 +36,63 @@ class CellMean {
   int count_ = 0;
 };
 
+/// Extends a mask along the surface it lies on: a torso whose legs were seen to move goes with them. On cells of 8 px:
+/// a body is wider, and its outline is not looked for.
+void addRestOfBodies(const cv::Mat1f& depth_m, cv::Mat1b& mask) {
+  constexpr int kCellPx = 8;
+  constexpr int kReachCells = 16;          // a quarter of the view's height
+  constexpr float kStep = 0.03F;           // of the depth, from cell to cell: a body is rounder than a desk is flat
+  constexpr float kMostFromSeedM = 0.25F;  // a body's depth; what it stands on or leans at goes on beyond
+  const cv::Size cells(depth_m.cols / kCellPx, depth_m.rows / kCellPx);
+  if (cells.empty() || cv::countNonZero(mask) == 0) return;
+  cv::Mat1f z_m(cells, 0.0F), seed_m(cells, 0.0F);
+  cv::Mat1b reach(cells, std::uint8_t{0});
+  std::vector<cv::Point> open;
+  cv::Mat1b inside(cells, std::uint8_t{0});
+  for (int row = 0; row < cells.height; ++row) {
+    for (int col = 0; col < cells.width; ++col) {
+      const cv::Rect area(col * kCellPx, row * kCellPx, kCellPx, kCellPx);
+      z_m(row, col) = depth_m(area)(kCellPx / 2, kCellPx / 2);
+      if (cv::countNonZero(mask(area)) == area.area()) inside(row, col) = 255;
+    }
+  }
+  // Masks reach over the outline, onto what is behind: only what lies well inside of one is surely of the body.
+  cv::erode(inside, inside, cv::Mat());
+  for (int row = 0; row < cells.height; ++row) {
+    for (int col = 0; col < cells.width; ++col) {
+      if (inside(row, col) == 0 || z_m(row, col) <= 0.0F) continue;
+      seed_m(row, col) = z_m(row, col);
+      reach(row, col) = kReachCells;
+      open.emplace_back(col, row);
+    }
+  }
+  for (std::size_t next = 0; next < open.size(); ++next) {  // in order of the distance from the mask
+    const cv::Point from = open[next];
+    if (reach(from) <= 1) continue;
+    for (const cv::Point step : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
+      const cv::Point to = from + step;
+      if (to.x < 0 || to.y < 0 || to.x >= cells.width || to.y >= cells.height || reach(to) > 0) continue;
+      const float z = z_m(to);
+      if (z <= 0.0F || std::abs(z - z_m(from)) > kStep * z || std::abs(z - seed_m(from)) > kMostFromSeedM) continue;
+      reach(to) = static_cast<std::uint8_t>(reach(from) - 1);
+      seed_m(to) = seed_m(from);
+      open.push_back(to);
+      mask(cv::Rect(to.x * kCellPx, to.y * kCellPx, kCellPx, kCellPx)) = 255;
+    }
+  }
+}
+
 }  // namespace
 
-cv::Mat1b excludedPixels(const cv::Size& size, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
+cv::Mat1b excludedPixels(const cv::Mat1f& depth_m, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
                          const LabelSet& label_set, const KeyframeCloudConfig& config) {
+  const cv::Size size = depth_m.size();
   assert(labels.empty() || labels.size() == size);
   assert(dynamic.empty() || dynamic.size() == size);
   cv::Mat1b excluded(size, std::uint8_t{0});
   if (!labels.empty()) excluded = maskOfPeople(labels, label_set);
   if (!dynamic.empty()) excluded |= (dynamic >= kDynamic);
+  addRestOfBodies(depth_m, excluded);
   if (config.dynamic_margin_px > 0) {
     const int side = 2 * config.dynamic_margin_px + 1;  // a square: separable, ten times cheaper than a disc
     cv::dilate(excluded, excluded, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));

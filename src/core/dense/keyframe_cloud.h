@@ -23,13 +23,13 @@ struct KeyframeCloud {
   std::vector<LabelledPoint> points;
 };
 
-/// Pixels that must not enter the map in any way: dynamic >= 128 or labelled as a class of Mobility::kPerson, with
-/// dynamic_margin_px around.
-/// @param size     of the frame
-/// @param labels   indices into label_set, of that size, or empty
-/// @param dynamic  probability of motion as in MotionResult, of that size, or empty
+/// Pixels that must not enter the map in any way: dynamic >= 128 or labelled as a class of Mobility::kPerson; what the
+/// same surface goes on to beside them, since motion is rarely seen on all of a body; and dynamic_margin_px around.
+/// @param depth_m  of the frame, metres, 0 = none
+/// @param labels   indices into label_set, of its size, or empty
+/// @param dynamic  probability of motion as in MotionResult, of its size, or empty
 /// @return 255 where excluded, else 0, of that size.
-cv::Mat1b excludedPixels(const cv::Size& size, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
+cv::Mat1b excludedPixels(const cv::Mat1f& depth_m, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
                          const LabelSet& label_set, const KeyframeCloudConfig& config);
 
 /// Pixels on or beside a depth step that no surface explains: max - min of the valid depths in 3x3 px exceeds

@@ -22,11 +22,12 @@ struct BandVoxel {
   bool occupied;
 };
 
-std::vector<BandVoxel> voxelsInBand(const VoxelMap& map, const SE3& T_map_world, const OccupancyGridConfig& config) {
+std::vector<BandVoxel> voxelsInBand(const VoxelMap& map, const SE3& T_map_world, const OccupancyGridConfig& config,
+                                    const Floor& floor) {
   std::vector<BandVoxel> band;
   map.forEachKnown([&](const Voxel& voxel) {
     const Eigen::Vector3d p_map = T_map_world * map.centre(voxel.index);
-    const double height_m = p_map.z() - config.floor_height_m;
+    const double height_m = floor.heightOf(p_map);
     if (height_m < config.min_height_m || height_m > config.max_height_m) return;
     band.push_back({static_cast<int>(std::floor(p_map.x() / config.resolution_m)),
                     static_cast<int>(std::floor(p_map.y() / config.resolution_m)),
@@ -70,13 +71,29 @@ OccupancyGrid emptyGrid(const std::vector<BandVoxel>& band, double resolution_m)
 
 }  // namespace
 
+std::optional<Floor> floorOf(const VoxelMap& map, const SE3& T_map_world, const OccupancyGridConfig& config) {
+  constexpr double kMostAboveM = 0.15;  // error of a camera's mounting
+  std::vector<Eigen::Vector3d> surface;
+  map.forEachKnown([&](const Voxel& voxel) {
+    if (voxel.state == Occupancy::kOccupied) surface.push_back(T_map_world * map.centre(voxel.index));
+  });
+  const std::optional<Floor> floor = findFloor(surface, map.resolution());
+  if (!floor || floor->offset_m / floor->up.z() > config.floor_height_m + kMostAboveM) return std::nullopt;
+  return floor;
+}
+
 OccupancyGrid projectToGrid(const VoxelMap& map, const SE3& T_map_world, const OccupancyGridConfig& config) {
+  return projectToGrid(map, T_map_world, config, Floor{Eigen::Vector3d::UnitZ(), config.floor_height_m});
+}
+
+OccupancyGrid projectToGrid(const VoxelMap& map, const SE3& T_map_world, const OccupancyGridConfig& config,
+                            const Floor& floor) {
   validateConfig(config);
   if (config.max_height_m <= config.min_height_m) {
     throw ConfigError("configuration key 'max_height_m' is " + std::to_string(config.max_height_m) +
                       ", must be above min_height_m, which is " + std::to_string(config.min_height_m));
   }
-  std::vector<BandVoxel> band = voxelsInBand(map, T_map_world, config);
+  std::vector<BandVoxel> band = voxelsInBand(map, T_map_world, config, floor);
   keepToLargestGrid(band);
   OccupancyGrid grid = emptyGrid(band, config.resolution_m);
   // Columns of layers, each counted once: several turned voxels can share a layer of a cell.
@@ -85,20 +102,21 @@ OccupancyGrid projectToGrid(const VoxelMap& map, const SE3& T_map_world, const O
   });
   const int min_x = static_cast<int>(std::lround(grid.origin_x_m / config.resolution_m));
   const int min_y = static_cast<int>(std::lround(grid.origin_y_m / config.resolution_m));
+  const int layers = static_cast<int>(std::floor((config.max_height_m - config.min_height_m) / map.resolution()));
   for (std::size_t i = 0; i < band.size();) {
     const BandVoxel column = band[i];
     bool occupied = false;
-    int layers = 0;
-    int last_layer = -1;
+    int last_layer = -1, widest_gap = 0;  // in layers
     for (; i < band.size() && band[i].x == column.x && band[i].y == column.y; ++i) {
       occupied = occupied || band[i].occupied;
-      if (band[i].layer != last_layer) ++layers;
+      widest_gap = std::max(widest_gap, band[i].layer - last_layer - 1);
       last_layer = band[i].layer;
     }
+    widest_gap = std::max(widest_gap, layers - last_layer - 1);
     std::int8_t& cell = grid.cells[static_cast<std::size_t>(column.y - min_y) * grid.width + (column.x - min_x)];
     if (occupied) {
       cell = OccupancyGrid::kOccupied;
-    } else if (layers * map.resolution() >= config.free_height_m) {
+    } else if (widest_gap * map.resolution() <= config.max_gap_m + 1e-9) {
       cell = OccupancyGrid::kFree;
     }
   }

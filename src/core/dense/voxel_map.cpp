@@ -7,9 +7,11 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <unordered_map>
 
 #include "core/dense/label_votes.h"
+#include "core/dense/surface_distance.h"
 #include "core/dense/voxel_key.h"
 #include "semantic_vslam/core/common/config_fields.h"
 
@@ -27,8 +29,11 @@ LogOdds logOdds(double probability) {
 
 /// What is kept of a voxel that ever held a point.
 struct Surface {
-  std::uint32_t last_hit = 0;                 ///< keyframe counter
-  std::uint16_t hits = 0, misses = 0;         ///< saturate
+  std::uint32_t last_hit = 0;          ///< keyframe counter
+  std::uint16_t hits = 0, misses = 0;  ///< saturate
+  std::uint16_t doubts_since_hit = 0;  ///< keyframes that should have seen it and did not, though no ray passed
+  std::uint16_t misses_since_hit = 0;
+  bool undisturbed = false;                   ///< by a keyframe that saw nobody and nothing move
   std::array<std::uint16_t, 3> bgr_256ths{};  ///< running mean
   LabelVotes votes;
 };
@@ -41,9 +46,13 @@ struct Block {
   std::array<LogOdds, kBlockVoxels> log_odds;
   std::vector<std::uint16_t> slot;  // place + 1 in surfaces, 0 = none; empty in a block that was only ever seen free
   std::vector<Surface> surfaces;
+  std::vector<FusedDistance> distances;  // empty in a block that no surface came near
 
   Block() { log_odds.fill(kUnknown); }
 
+  const FusedDistance* distance(int local) const {
+    return distances.empty() || !distances[local].known() ? nullptr : &distances[local];
+  }
   const Surface* surface(int local) const {
     return slot.empty() || slot[local] == 0 ? nullptr : &surfaces[slot[local] - 1];
   }
@@ -94,7 +103,7 @@ class FreeLimits {
       : voxel_radius_cells_at_1m_(view.fx_cells * kHalfDiagonal * config.resolution_m) {
     cv::Mat1f free_m;
     view.free_mm.convertTo(free_m, CV_32F, 0.001);
-    const cv::Mat silent = free_m == 0.0F;
+    const cv::Mat silent = (view.free_mm == 0) | (view.free_mm == FreeSpaceView::kNoReturn);
     free_m.setTo(1e6F, silent);  // a silent cell limits only itself
     for (int i = 0; i < kTables; ++i) {
       const int side = 2 * (1 << i) + 1;
@@ -133,9 +142,10 @@ struct VoxelMap::Impl {
   explicit Impl(const VoxelMapConfig& map_config)
       : config(map_config),
         hit(logOdds(config.hit_probability)),
-        miss(logOdds(config.miss_probability)),
+        missed(logOdds(config.miss_probability)),
         lowest(logOdds(config.min_probability)),
-        highest(logOdds(config.max_probability)) {}
+        highest(logOdds(config.max_probability)),
+        truncation_m(truncationM(config.resolution_m)) {}
 
   void change(LogOdds& value, LogOdds step) {
     if (value == kUnknown) {
@@ -145,52 +155,58 @@ struct VoxelMap::Impl {
     value = std::clamp<LogOdds>(static_cast<LogOdds>(value + step), lowest, highest);
   }
 
-  void insertPoints(const std::vector<LabelledPoint>& points, const SE3& T_world_camera);
-  void hitVoxel(VoxelKey key, const Observation& observation);
+  void insertPoints(const std::vector<LabelledPoint>& points, bool undisturbed, const SE3& T_world_camera);
+  void hitVoxel(VoxelKey key, const Observation& observation, bool undisturbed);
   void carve(const FreeSpaceView& view, const SE3& T_world_camera);
   void carveBlock(const Eigen::Vector3i& block_index, const SE3& T_camera_world, const FreeSpaceView& view,
-                  const FreeLimits& limits);
-  Occupancy state(LogOdds value, const Surface* surface) const;
-  Voxel describe(const Eigen::Vector3i& index, LogOdds value, const Surface* surface) const;
+                  const FreeLimits& limits, const SurfaceDistance& surfaces);
+  void miss(Block& block, int local);
+  Occupancy state(const Block& block, int local) const;
+  Voxel describe(const Eigen::Vector3i& index, const Block* block, int local) const;
 
   VoxelMapConfig config;
-  LogOdds hit, miss, lowest, highest;
+  LogOdds hit, missed, lowest, highest;
+  float truncation_m;
   std::unordered_map<VoxelKey, Block> blocks;  // by VoxelKey >> 9; walked in sorted order only
   std::uint32_t keyframes = 0;
   std::size_t known = 0;
 };
 
-void VoxelMap::Impl::insertPoints(const std::vector<LabelledPoint>& points, const SE3& T_world_camera) {
+void VoxelMap::Impl::insertPoints(const std::vector<LabelledPoint>& points, bool undisturbed,
+                                  const SE3& T_world_camera) {
   const std::vector<KeyedPoint> keyed = sortByVoxel(points, T_world_camera, config.resolution_m);
   Observation observation;
   for (std::size_t i = 0; i < keyed.size(); ++i) {
     observation.add(points[keyed[i].index]);
     if (i + 1 == keyed.size() || keyed[i + 1].key != keyed[i].key) {
-      hitVoxel(keyed[i].key, observation);
+      hitVoxel(keyed[i].key, observation, undisturbed);
       observation = Observation();
     }
   }
 }
 
-void VoxelMap::Impl::hitVoxel(VoxelKey key, const Observation& observation) {
+void VoxelMap::Impl::hitVoxel(VoxelKey key, const Observation& observation, bool undisturbed) {
   Block& block = blocks[key >> (3 * kBlockBits)];
   const int local = static_cast<int>(key & (kBlockVoxels - 1));
   change(block.log_odds[local], hit);
   Surface& surface = block.makeSurface(local);
   surface.last_hit = keyframes;
+  surface.misses_since_hit = surface.doubts_since_hit = 0;
+  surface.undisturbed = surface.undisturbed || undisturbed;
   fuse(observation, surface);
 }
 
 void VoxelMap::Impl::carve(const FreeSpaceView& view, const SE3& T_world_camera) {
   const FreeLimits limits(view, config);
   if (limits.farthest() <= 0.0F) return;
+  const SurfaceDistance surfaces(view);
   const double block_m = kBlockSide * config.resolution_m;
   // Blocks in the box around the camera and the four corners of its view at the farthest free depth.
   Eigen::Vector3d low = T_world_camera.translation(), high = low;
   for (const double col : {-0.5, view.free_mm.cols - 0.5}) {
     for (const double row : {-0.5, view.free_mm.rows - 0.5}) {
       const Eigen::Vector3d ray((col - view.cx_cells) / view.fx_cells, (row - view.cy_cells) / view.fy_cells, 1.0);
-      const Eigen::Vector3d corner = T_world_camera * (ray * limits.farthest());
+      const Eigen::Vector3d corner = T_world_camera * (ray * (limits.farthest() + 2.0 * truncation_m));
       low = low.cwiseMin(corner);
       high = high.cwiseMax(corner);
     }
@@ -201,17 +217,18 @@ void VoxelMap::Impl::carve(const FreeSpaceView& view, const SE3& T_world_camera)
   Eigen::Vector3i index;
   for (index.x() = first.x(); index.x() <= last.x(); ++index.x()) {
     for (index.y() = first.y(); index.y() <= last.y(); ++index.y()) {
-      for (index.z() = first.z(); index.z() <= last.z(); ++index.z()) carveBlock(index, T_camera_world, view, limits);
+      for (index.z() = first.z(); index.z() <= last.z(); ++index.z())
+        carveBlock(index, T_camera_world, view, limits, surfaces);
     }
   }
 }
 
 void VoxelMap::Impl::carveBlock(const Eigen::Vector3i& block_index, const SE3& T_camera_world,
-                                const FreeSpaceView& view, const FreeLimits& limits) {
+                                const FreeSpaceView& view, const FreeLimits& limits, const SurfaceDistance& surfaces) {
   const double voxel_m = config.resolution_m, block_m = kBlockSide * voxel_m;
   const Eigen::Vector3d centre = T_camera_world * ((block_index.cast<double>().array() + 0.5) * block_m).matrix();
   const double radius_m = kHalfDiagonal * block_m;
-  if (centre.z() + radius_m <= 0.0 || centre.z() - radius_m >= limits.farthest()) return;
+  if (centre.z() + radius_m <= 0.0 || centre.z() - radius_m >= limits.farthest() + 2.0 * truncation_m) return;
   if (centre.z() > 2.0 * radius_m) {  // outside the image for sure?
     const double nearest_z = centre.z() - radius_m;
     const double u = view.fx_cells * centre.x() / centre.z() + view.cx_cells;
@@ -230,6 +247,7 @@ void VoxelMap::Impl::carveBlock(const Eigen::Vector3i& block_index, const SE3& T
   const VoxelKey key = voxelKey(block_index * kBlockSide) >> (3 * kBlockBits);
   const auto found = blocks.find(key);
   Block* block = found == blocks.end() ? nullptr : &found->second;
+  const auto noise = static_cast<float>(view.noise_m_per_m2);
   for (int local = 0; local < kBlockVoxels; ++local) {
     const auto i = static_cast<float>(local >> 6), j = static_cast<float>((local >> 3) & 7),
                k = static_cast<float>(local & 7);
@@ -237,29 +255,69 @@ void VoxelMap::Impl::carveBlock(const Eigen::Vector3i& block_index, const SE3& T
     if (p.z() <= 0.0F) continue;
     const float u = fx * p.x() / p.z() + cx, v = fy * p.y() / p.z() + cy;
     if (!(u >= 0.0F && v >= 0.0F && u < cols && v < rows)) continue;
-    if (p.z() >= limit_m(static_cast<int>(v), static_cast<int>(u))) continue;
-    if (block == nullptr) block = &blocks[key];
-    Surface* surface = block->surface(local);
-    if (surface != nullptr) {
-      if (surface->last_hit == keyframes) continue;
-      countUp(surface->misses);
+    const int row = static_cast<int>(v), col = static_cast<int>(u);
+    const bool free = p.z() < limit_m(row, col);
+    if (free && block == nullptr) block = &blocks[key];
+    if (!free || !block->distances.empty()) {
+      const float distance_m = surfaces.at(u - 0.5F, v - 0.5F, p.z());
+      if (distance_m > -truncation_m) {
+        if (block == nullptr) block = &blocks[key];
+        if (block->distances.empty()) block->distances.resize(kBlockVoxels);
+        block->distances[local].add(distance_m / truncation_m, FusedDistance::weightOf(noise * p.z() * p.z()));
+      }
     }
-    change(block->log_odds[local], miss);
+    if (free) {
+      miss(*block, local);
+    } else if (block != nullptr && p.z() < config.free_range_m &&
+               p.z() + static_cast<float>(voxel_m) < 0.001F * static_cast<float>(view.free_mm(row, col))) {
+      Surface* surface = block->surface(local);  // kNoReturn is farther than anything
+      if (surface != nullptr && surface->last_hit != keyframes) countUp(surface->doubts_since_hit);
+    }
   }
 }
 
-Occupancy VoxelMap::Impl::state(LogOdds value, const Surface* surface) const {
-  if (value == kUnknown) return Occupancy::kUnknown;
-  if (value <= 0) return Occupancy::kFree;
-  const bool confirmed = surface->misses == 0 || surface->hits >= config.confirming_keyframes;
-  return confirmed ? Occupancy::kOccupied : Occupancy::kUnknown;
+/// Nothing was at a voxel for one keyframe.
+void VoxelMap::Impl::miss(Block& block, int local) {
+  constexpr int kMissesUntilGone = 3;  // however often it was hit before
+  Surface* surface = block.surface(local);
+  if (surface != nullptr) {
+    if (surface->last_hit == keyframes) return;
+    countUp(surface->misses);
+    countUp(surface->misses_since_hit);
+  }
+  LogOdds& value = block.log_odds[local];
+  change(value, missed);
+  if (surface != nullptr && surface->misses_since_hit >= kMissesUntilGone) value = std::min<LogOdds>(value, 0);
 }
 
-Voxel VoxelMap::Impl::describe(const Eigen::Vector3i& index, LogOdds value, const Surface* surface) const {
+Occupancy VoxelMap::Impl::state(const Block& block, int local) const {
+  constexpr int kDoubtsUntilGone = 3;                // keyframes
+  constexpr std::uint32_t kKeyframesToConfirm = 10;  // beside people
+  const LogOdds value = block.log_odds[local];
+  if (value == kUnknown) return Occupancy::kUnknown;
+  if (value <= 0) return Occupancy::kFree;
+  const Surface& surface = *block.surface(local);
+  // What was seen once is doubted when others do not see it, and for good where it may be of a body that was not found
+  // whole.
+  const bool doubted = surface.misses > 0 || surface.doubts_since_hit >= kDoubtsUntilGone ||
+                       (!surface.undisturbed && keyframes - surface.last_hit > kKeyframesToConfirm);
+  if (doubted && surface.hits < config.confirming_keyframes) return Occupancy::kUnknown;
+  const FusedDistance* distance = block.distance(local);
+  if (distance != nullptr &&
+      std::abs(distance->share()) * truncation_m > 0.6F * static_cast<float>(config.resolution_m)) {
+    return Occupancy::kUnknown;  // noise beside the surface
+  }
+  return Occupancy::kOccupied;
+}
+
+Voxel VoxelMap::Impl::describe(const Eigen::Vector3i& index, const Block* block, int local) const {
   Voxel voxel;
   voxel.index = index;
-  voxel.state = state(value, surface);
+  if (block == nullptr) return voxel;
+  const LogOdds value = block->log_odds[local];
+  voxel.state = state(*block, local);
   if (value != kUnknown) voxel.log_odds = value * kLogOddsUnit;
+  const Surface* surface = block->surface(local);
   if (surface == nullptr) return voxel;
   for (int channel = 0; channel < 3; ++channel) {
     voxel.bgr[channel] = cv::saturate_cast<std::uint8_t>(surface->bgr_256ths[channel] / 256.0);
@@ -281,17 +339,16 @@ VoxelMap& VoxelMap::operator=(VoxelMap&&) noexcept = default;
 void VoxelMap::integrate(const std::vector<LabelledPoint>& points, const FreeSpaceView& view,
                          const SE3& T_world_camera) {
   ++impl_->keyframes;
-  impl_->insertPoints(points, T_world_camera);
+  impl_->insertPoints(points, view.undisturbed, T_world_camera);
   impl_->carve(view, T_world_camera);
 }
 
 Voxel VoxelMap::voxel(const Eigen::Vector3i& index) const {
-  if (!inVoxelRange(index)) return impl_->describe(index, kUnknown, nullptr);
+  if (!inVoxelRange(index)) return impl_->describe(index, nullptr, 0);
   const VoxelKey key = voxelKey(index);
   const auto found = impl_->blocks.find(key >> (3 * kBlockBits));
-  if (found == impl_->blocks.end()) return impl_->describe(index, kUnknown, nullptr);
-  const int local = static_cast<int>(key & (kBlockVoxels - 1));
-  return impl_->describe(index, found->second.log_odds[local], found->second.surface(local));
+  const Block* block = found == impl_->blocks.end() ? nullptr : &found->second;
+  return impl_->describe(index, block, static_cast<int>(key & (kBlockVoxels - 1)));
 }
 
 Voxel VoxelMap::voxelAt(const Eigen::Vector3d& point_world) const {
@@ -308,7 +365,7 @@ void VoxelMap::forEachKnown(const std::function<void(const Voxel&)>& visit) cons
     for (int local = 0; local < kBlockVoxels; ++local) {
       if (block.log_odds[local] == kUnknown) continue;
       const Eigen::Vector3i index = voxelIndex((key << (3 * kBlockBits)) | static_cast<VoxelKey>(local));
-      const Voxel voxel = impl_->describe(index, block.log_odds[local], block.surface(local));
+      const Voxel voxel = impl_->describe(index, &block, local);
       if (voxel.state != Occupancy::kUnknown) visit(voxel);
     }
   }
@@ -320,13 +377,74 @@ Eigen::Vector3d VoxelMap::centre(const Eigen::Vector3i& index) const {
   return (index.cast<double>().array() + 0.5) * impl_->config.resolution_m;
 }
 
+namespace {
+
+/// The fused distance between voxels' centres, in metres, with its slope.
+struct Field {
+  float distance_m = 0.0F;
+  Eigen::Vector3f slope = Eigen::Vector3f::Zero();
+};
+
+/// @return nothing where a voxel round the point knows no distance
+std::optional<Field> fieldAt(const Eigen::Vector3d& point, const std::unordered_map<VoxelKey, Block>& blocks,
+                             double voxel_m, float truncation_m) {
+  const Eigen::Vector3d at = (point / voxel_m).array() - 0.5;
+  const Eigen::Vector3i low = voxelIndexAt(at, 1.0);
+  if (!inVoxelRange(low) || !inVoxelRange(low + Eigen::Vector3i::Ones())) return std::nullopt;
+  const Eigen::Vector3f share = (at - low.cast<double>()).cast<float>();
+  Field field;
+  VoxelKey block_key = ~VoxelKey{0};
+  const Block* block = nullptr;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3i side(corner & 1, corner >> 1 & 1, corner >> 2);
+    const VoxelKey key = voxelKey(low + side);
+    if (key >> (3 * kBlockBits) != block_key) {
+      block_key = key >> (3 * kBlockBits);
+      const auto found = blocks.find(block_key);
+      if (found == blocks.end()) return std::nullopt;
+      block = &found->second;
+    }
+    const FusedDistance* fused = block->distance(static_cast<int>(key & (kBlockVoxels - 1)));
+    if (fused == nullptr) return std::nullopt;
+    const float value_m = fused->share() * truncation_m;
+    Eigen::Vector3f part, sign;  // weight and its change along each axis
+    for (int axis = 0; axis < 3; ++axis) {
+      part[axis] = side[axis] == 1 ? share[axis] : 1.0F - share[axis];
+      sign[axis] = side[axis] == 1 ? 1.0F : -1.0F;
+    }
+    field.distance_m += value_m * part.prod();
+    field.slope += value_m * Eigen::Vector3f(sign.x() * part.y() * part.z(), sign.y() * part.x() * part.z(),
+                                             sign.z() * part.x() * part.y());
+  }
+  field.slope /= static_cast<float>(voxel_m);
+  return field;
+}
+
+}  // namespace
+
+bool VoxelMap::moveOntoSurface(LabelledPoint& point, double most_m) const {
+  constexpr float kLeastSlope = 0.4F;  // flatter: two surfaces back to back
+  Eigen::Vector3d moved = point.position();
+  for (int step = 0; step < 2; ++step) {  // the second one corrects what a bent surface leaves
+    const std::optional<Field> field = fieldAt(moved, impl_->blocks, impl_->config.resolution_m, impl_->truncation_m);
+    if (!field) break;
+    const float slope = field->slope.norm();
+    if (slope < kLeastSlope) break;
+    if (step == 0 && std::abs(field->distance_m) / slope > most_m) return false;
+    moved -= (field->slope * (field->distance_m / (slope * slope))).cast<double>();
+  }
+  point.xyz_m = cv::Vec3f(static_cast<float>(moved.x()), static_cast<float>(moved.y()), static_cast<float>(moved.z()));
+  return true;
+}
+
 std::size_t VoxelMap::size() const { return impl_->known; }
 
 std::size_t VoxelMap::memoryBytes() const {
   std::size_t bytes = 0;
   for (const auto& [key, block] : impl_->blocks) {
     bytes += sizeof(block) + block.slot.capacity() * sizeof(std::uint16_t) +
-             block.surfaces.capacity() * sizeof(Surface) + 4 * sizeof(void*);
+             block.surfaces.capacity() * sizeof(Surface) + block.distances.capacity() * sizeof(FusedDistance) +
+             4 * sizeof(void*);
   }
   return bytes;
 }

@@ -55,6 +55,11 @@ class VoxelMap {
   /// Calls back for every voxel that is free or occupied, in a fixed order.
   void forEachKnown(const std::function<void(const Voxel&)>& visit) const;
 
+  /// Moves a point onto the fused surface, along its normal. One where the surface is not known all round stays.
+  /// @param point  world, metres
+  /// @return false if it lies farther than most_m from the surface, and stays
+  bool moveOntoSurface(LabelledPoint& point, double most_m) const;
+
   double resolution() const;
   Eigen::Vector3d centre(const Eigen::Vector3i& index) const;
   /// @return voxels ever hit or missed.

@@ -59,6 +59,7 @@ struct Primitive {
   std::array<int, 6> materials{};
   std::uint8_t label = kBackground;
   bool moving = false;    ///< moves at the rendered time; set each frame
+  int thing = -1;         ///< number of the thing in the scene that it is a part of; -1 = not numbered
   int shadow_layer = -1;  ///< index into Scene::shadow_layers for the upper face; -1 = none
 
   /// Corners of the bounding box in local units.
@@ -75,24 +76,31 @@ struct ShadowLayer {
   float at(float x_m, float y_m) const;
 };
 
+using Primitives = std::vector<Primitive>;
+
 /// Everything that stands still, with the looks of everything that does not.
 struct Scene {
   std::vector<Texture> textures;
   std::vector<Material> materials;
   std::vector<Primitive> primitives;
   std::vector<ShadowLayer> shadow_layers;
+  int things = 0;  ///< numbered so far
 
   int addTexture(const cv::Mat3b& bgr) {
     textures.emplace_back(bgr);
     return static_cast<int>(textures.size()) - 1;
+  }
+  /// Gives all of a group's solids the next number of a thing.
+  Primitives numbered(Primitives group) {
+    for (Primitive& part : group) part.thing = things;
+    ++things;
+    return group;
   }
   int addMaterial(const Material& material) {
     materials.push_back(material);
     return static_cast<int>(materials.size()) - 1;
   }
 };
-
-using Primitives = std::vector<Primitive>;
 
 /// @param center, size  metres, full side lengths, in the object's frame
 Primitive makeBox(const Eigen::Vector3f& center, const Eigen::Vector3f& size, int material, std::uint8_t label);

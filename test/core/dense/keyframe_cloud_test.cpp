@@ -56,7 +56,7 @@ TEST(KeyframeCloud, ExcludesWhatMovesWithAMargin) {
   const cv::Size size(64, 48);
   cv::Mat1b dynamic(size, std::uint8_t{127});  // not enough to count
   dynamic(20, 30) = 128;
-  const cv::Mat1b excluded = excludedPixels(size, cv::Mat1b(), dynamic, threeLabels(), config);
+  const cv::Mat1b excluded = excludedPixels(cv::Mat1f(size, 2.0F), cv::Mat1b(), dynamic, threeLabels(), config);
   EXPECT_EQ(cv::countNonZero(excluded), 7 * 7);
   EXPECT_EQ(excluded(17, 27), 255);
   EXPECT_EQ(excluded(16, 27), 0);
@@ -70,7 +70,7 @@ TEST(KeyframeCloud, ExcludesPeopleEvenWhereNothingMoves) {
   labels(10, 10) = 1;
   labels(11, 11) = 200;  // not in the set: static
   const cv::Mat1b still(size, std::uint8_t{0});
-  const cv::Mat1b excluded = excludedPixels(size, labels, still, threeLabels(), everyPixel());
+  const cv::Mat1b excluded = excludedPixels(cv::Mat1f(size, 2.0F), labels, still, threeLabels(), everyPixel());
   EXPECT_EQ(cv::countNonZero(excluded), 1);
   EXPECT_EQ(excluded(10, 10), 255);
   for (const auto& point : makeKeyframeCloud(KeyframeId(0), wallFrame(2.0F), labels, excluded, everyPixel()).points) {
@@ -128,6 +128,19 @@ TEST(VoxelFilter, AveragesACubeAndTakesItsMostFrequentLabel) {
   EXPECT_LT(cv::norm(filtered[1].xyz_m - cv::Vec3f(0.03F, 0.02F, 0.02F)), 1e-6);
   EXPECT_EQ(filtered[1].bgr, cv::Vec3b(30, 60, 40));
   EXPECT_EQ(filtered[1].label, 2);
+}
+
+TEST(ExcludedPixels, GoOnAlongTheBodyThatWasSeenToMoveInPart) {
+  KeyframeCloudConfig config;
+  config.dynamic_margin_px = 0;
+  cv::Mat1f depth_m(480, 640, 3.0F);
+  const cv::Rect body(200, 96, 80, 240);
+  depth_m(body) = 1.5F;
+  cv::Mat1b dynamic(depth_m.size(), std::uint8_t{0});
+  dynamic(cv::Rect(190, 96, 100, 120)) = 255;  // the upper half, and a rim of the wall behind
+  const cv::Mat1b excluded = excludedPixels(depth_m, cv::Mat1b(), dynamic, threeLabels(), config);
+  EXPECT_EQ(cv::countNonZero(excluded(body)), body.area());
+  EXPECT_EQ(cv::countNonZero(excluded) - cv::countNonZero(dynamic), 80 * 120);  // nothing of the wall
 }
 
 }  // namespace

@@ -27,13 +27,17 @@ VoxelMap roomMap(const RgbdFrame& frame) {
   KeyframeCloudConfig cloud_config;
   cloud_config.stride_px = 1;
   const auto cloud = makeKeyframeCloud(KeyframeId(0), frame, cv::Mat1b(), cv::Mat1b(), cloud_config);
-  map.integrate(cloud.points, makeFreeSpaceView(frame, cv::Mat1b(), 0.0019, 2), SE3::Identity());
+  map.integrate(cloud.points, makeFreeSpaceView(frame, cv::Mat1b(), KeyframeCloudConfig(), 2), SE3::Identity());
   return map;
 }
 
+/// A band that the camera sees all of from 1.2 m on: 48 rows of 1/50 rad.
 OccupancyGridConfig tenCentimetres() {
   OccupancyGridConfig config;
   config.resolution_m = 0.1;
+  config.min_height_m = 0.6;
+  config.max_height_m = 1.4;
+  config.max_gap_m = 0.2;
   return config;
 }
 
@@ -63,20 +67,34 @@ TEST(OccupancyGrid, OnlyTheHeightBandCounts) {
   frame.depth_m.rowRange(9, 14) = 2.05F;  // (9 .. 13 - 24) / 50 * 2.05 = -0.62 .. -0.45 m
   const VoxelMap map = roomMap(frame);
   OccupancyGridConfig config = tenCentimetres();
+  config.max_height_m = 1.8;
   EXPECT_EQ(cellAt(projectToGrid(map, mapFromCamera(), config), 2.05, 0.05), OccupancyGrid::kOccupied);
   config.max_height_m = 1.2;  // a robot that passes below
   EXPECT_EQ(cellAt(projectToGrid(map, mapFromCamera(), config), 2.05, 0.05), OccupancyGrid::kFree);
   config.floor_height_m = 0.4;  // the same band, 0.4 m higher
   EXPECT_EQ(cellAt(projectToGrid(map, mapFromCamera(), config), 2.05, 0.05), OccupancyGrid::kOccupied);
+  Floor floor;  // a floor that is tilted: 0.4 m higher where the beam is
+  floor.up = Eigen::Vector3d(-0.4 / 2.05, 0.0, 1.0).normalized();
+  config.floor_height_m = 0.0;
+  EXPECT_EQ(cellAt(projectToGrid(map, mapFromCamera(), config, floor), 2.05, 0.05), OccupancyGrid::kOccupied);
 }
 
-TEST(OccupancyGrid, AThinFreeColumnIsUnknown) {
+TEST(OccupancyGrid, AColumnThatIsNotKnownFromEndToEndIsUnknown) {
   OccupancyGridConfig config = tenCentimetres();
-  config.free_height_m = 1.0;
+  config.min_height_m = 0.1;
+  config.max_height_m = 1.8;
   const VoxelMap map = roomMap(wallFrame(3.05F));
   const OccupancyGrid grid = projectToGrid(map, mapFromCamera(), config);
-  EXPECT_EQ(cellAt(grid, 0.55, 0.05), OccupancyGrid::kUnknown);  // 48 rows at 0.55 m see a band of 0.5 m
-  EXPECT_EQ(cellAt(grid, 2.55, 0.05), OccupancyGrid::kFree);     // at 2.55 m of 1.7 m (0.1 .. 1.8 counts)
+  EXPECT_EQ(cellAt(grid, 1.05, 0.05), OccupancyGrid::kUnknown);  // sees 0.5 .. 1.5 m
+  EXPECT_EQ(cellAt(grid, 2.55, 0.05), OccupancyGrid::kFree);
+}
+
+TEST(OccupancyGrid, WhatIsEdgeOnToTheCameraIsNotFree) {
+  // A desk top at the height of the camera: no ray ends on it, and none passes within 15 cm of it.
+  RgbdFrame frame = wallFrame(3.05F);
+  frame.depth_m.rowRange(21, 28) = 0.0F;
+  const OccupancyGrid grid = projectToGrid(roomMap(frame), mapFromCamera(), tenCentimetres());
+  EXPECT_EQ(cellAt(grid, 2.55, 0.05), OccupancyGrid::kUnknown);
 }
 
 TEST(OccupancyGrid, AnEmptyMapIsAnEmptyGrid) {

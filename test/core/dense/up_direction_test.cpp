@@ -45,5 +45,37 @@ TEST(EstimateUpDirection, FallsBackOnThePriorWithoutAPlane) {
   EXPECT_EQ(estimateUpDirection({}, prior), prior);
 }
 
+/// Voxels of 3 cm on a level square.
+void addSquare(const Eigen::Vector3d& up, double height_m, double from_x_m, double side_m,
+               std::vector<Eigen::Vector3d>& surface) {
+  for (double x = from_x_m; x < from_x_m + side_m; x += 0.03) {
+    for (double y = 0.0; y < side_m; y += 0.03) {
+      surface.emplace_back(x, y, (height_m - up.x() * x - up.y() * y) / up.z());
+    }
+  }
+}
+
+TEST(FindFloor, IsTheLargestPlaneThatNothingLiesBelow) {
+  const Eigen::Vector3d up = Eigen::Vector3d(0.05, -0.03, 1.0).normalized();
+  std::vector<Eigen::Vector3d> surface;
+  addSquare(up, -1.3, 1.0, 1.5, surface);
+  addSquare(up, -0.55, 2.0, 2.5, surface);  // a table, larger than what is seen of the floor
+  const std::optional<Floor> floor = findFloor(surface, 0.03);
+  ASSERT_TRUE(floor);
+  EXPECT_NEAR(floor->heightOf({1.5, 0.5, 0.0}), up.dot(Eigen::Vector3d(1.5, 0.5, 0.0)) + 1.3, 0.01);
+  EXPECT_NEAR(floor->tiltDeg(), 3.3, 0.2);
+}
+
+TEST(FindFloor, FindsNoneInAWallOrASpeck) {
+  std::vector<Eigen::Vector3d> wall, speck;
+  for (double y = 0.0; y < 3.0; y += 0.03) {
+    for (double z = 0.0; z < 2.0; z += 0.03) wall.emplace_back(2.0, y, z);
+  }
+  addSquare(Eigen::Vector3d::UnitZ(), 0.0, 0.0, 0.5, speck);
+  EXPECT_FALSE(findFloor(wall, 0.03));
+  EXPECT_FALSE(findFloor(speck, 0.03));
+  EXPECT_FALSE(findFloor({}, 0.03));
+}
+
 }  // namespace
 }  // namespace semantic_vslam

@@ -24,7 +24,7 @@ void look(VoxelMap& map, const RgbdFrame& frame, const SE3& T_world_camera = SE3
   KeyframeCloudConfig config;
   config.stride_px = 1;
   const auto cloud = makeKeyframeCloud(KeyframeId(0), frame, labels, excluded, config);
-  map.integrate(cloud.points, makeFreeSpaceView(frame, excluded, config.depth_noise.surfaces_m, 2), T_world_camera);
+  map.integrate(cloud.points, makeFreeSpaceView(frame, excluded, config, 2), T_world_camera);
 }
 
 /// A wall at 3 m with a 0.4 m wide thing in the middle of the view at 1.5 m.
@@ -137,6 +137,62 @@ TEST(VoxelMap, FusesColourAndLabelOverKeyframes) {
   EXPECT_NEAR(voxel.bgr[2], 220, 1);
 }
 
+TEST(VoxelMap, GoesAfterThreeViewsThroughHoweverOftenItWasSeen) {
+  VoxelMap map(coarse());
+  for (int i = 0; i < 20; ++i) look(map, wallWithThing());
+  for (int i = 0; i < 2; ++i) look(map, wallFrame(3.05F));
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 1.55}).state, Occupancy::kOccupied);
+  look(map, wallFrame(3.05F));
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 1.55}).state, Occupancy::kFree);
+}
+
+TEST(VoxelMap, WhatIsSeenOnceBeforeSomethingThatReturnsNoLightGoesWhenItIsSeenNoMore) {
+  VoxelMap map(coarse());
+  RgbdFrame black_screen = wallFrame(3.05F);
+  black_screen.depth_m(cv::Rect(20, 12, 24, 24)) = 0.0F;
+  RgbdFrame someone = black_screen;
+  someone.depth_m = black_screen.depth_m.clone();
+  someone.depth_m(cv::Rect(25, 17, 14, 14)) = 1.55F;
+  look(map, someone);
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 1.55}).state, Occupancy::kOccupied);
+  for (int i = 0; i < 3; ++i) look(map, black_screen);
+  EXPECT_NE(map.voxelAt({0.0, 0.0, 1.55}).state, Occupancy::kOccupied);
+}
+
+/// A wall at 2.05 m whose depth in each frame is off by some centimetres, more often before than behind.
+std::vector<float> noisyWall() { return {2.01F, 2.09F, 2.03F, 2.06F, 2.05F, 2.02F, 2.08F, 2.06F}; }
+
+TEST(VoxelMap, ManyViewsOfAWallAreOneSurface) {
+  VoxelMapConfig config;
+  config.resolution_m = 0.03;
+  VoxelMap map(config);
+  for (const float depth_m : noisyWall()) look(map, wallFrame(depth_m));
+  int layers = 0;
+  for (double z_m = 1.9; z_m < 2.2; z_m += 0.03) {
+    if (map.voxelAt({0.0, 0.0, z_m}).state == Occupancy::kOccupied) ++layers;
+  }
+  EXPECT_GE(layers, 1);
+  EXPECT_LE(layers, 2);
+  LabelledPoint point{cv::Vec3f(0.1F, -0.1F, 2.09F), {}, 0};
+  ASSERT_TRUE(map.moveOntoSurface(point, 0.08));
+  EXPECT_NEAR(point.xyz_m[2], 2.05F, 0.004F);
+  EXPECT_NEAR(point.xyz_m[0], 0.1F, 0.001F);
+  EXPECT_FALSE(map.moveOntoSurface(point = {cv::Vec3f(0.1F, -0.1F, 2.09F), {}, 0}, 0.02));  // too far off to be of it
+}
+
+TEST(VoxelMap, NearViewsCountMoreThanFarOnes) {
+  VoxelMapConfig config;
+  config.resolution_m = 0.03;
+  VoxelMap map(config);
+  SE3 back = SE3::Identity();
+  back.translation().z() = -2.4;
+  for (int i = 0; i < 3; ++i) look(map, wallFrame(3.44F), back);  // the wall at 1.04 m, as seen from 3.44 m
+  look(map, wallFrame(1.00F));
+  LabelledPoint point{cv::Vec3f(0.0F, 0.0F, 1.01F), {}, 0};
+  ASSERT_TRUE(map.moveOntoSurface(point, 0.05));
+  EXPECT_NEAR(point.xyz_m[2], 1.00F, 0.006F);
+}
+
 TEST(VoxelMap, ListsEachKnownVoxelOnceInAFixedOrder) {
   VoxelMap map(coarse());
   look(map, wallWithThing());
@@ -146,7 +202,7 @@ TEST(VoxelMap, ListsEachKnownVoxelOnceInAFixedOrder) {
     EXPECT_EQ(map.voxel(voxel.index).log_odds, voxel.log_odds);
     EXPECT_EQ(map.voxelAt(map.centre(voxel.index)).state, voxel.state);
   });
-  EXPECT_EQ(known, map.size());
+  EXPECT_LE(known, map.size());  // noise beside a surface is neither free nor occupied
   EXPECT_GT(known, 1000U);
 }
 

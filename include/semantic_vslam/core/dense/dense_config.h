@@ -66,18 +66,25 @@ struct OccupancyGridConfig {
   double floor_height_m = 0.0;
   double min_height_m = 0.10;
   double max_height_m = 1.80;
-  double free_height_m = 0.10;
+  double max_gap_m = 0.06;
+  bool find_floor = true;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("resolution_m", resolution_m, 0.01, 1.0,
             "edge of a cell; at least sqrt(3) voxels, or a turned voxel grid leaves holes");
-    v.field("floor_height_m", floor_height_m, -100.0, 100.0, "height of the floor in the map frame");
+    v.field("floor_height_m", floor_height_m, -100.0, 100.0,
+            "height of the floor in the map frame, where the map does not show one");
     v.field("min_height_m", min_height_m, -10.0, 10.0,
             "lower edge of the band above the floor that counts; above door sills and depth noise of the floor");
     v.field("max_height_m", max_height_m, -10.0, 10.0, "upper edge of the band: the robot's height and a margin");
-    v.field("free_height_m", free_height_m, 0.0, 10.0,
-            "a cell is free if at least this height of its band is known to be; less is unknown");
+    v.field(
+        "max_gap_m", max_gap_m, 0.0, 10.0,
+        "a cell is free if its whole band is known to be but for gaps up to this, two voxels; what stands edge-on to "
+        "the camera, a desk top or a shelf, leaves a wider one");
+    v.flag("find_floor", find_floor,
+           "true: heights are counted from the floor that the map shows, where it lies at floor_height_m or below; "
+           "false: from floor_height_m");
   }
 };
 

@@ -5,8 +5,8 @@
 # (nothing that is not committed) is cloned into it, and what is missing installs itself. Needs root and debootstrap, 4 GB of disk
 # and, for both commands, about half an hour of two cores.
 #   scripts/try_in_chroot.sh bullseye|bookworm|trixie [COMMAND...]       default: './run demo' './run test'
-# Leaves the log in out/chroot/SUITE.log and the system in build/chroot/SUITE, from which it is made anew each time;
-# KEEP=1 runs in the one that is there.
+# Leaves the log in out/chroot/SUITE.log and the system in /var/tmp/semantic_vslam/SUITE, where ROS does not look for packages; it is
+# made anew each time, but with KEEP=1.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/scripts/common.sh"
@@ -16,7 +16,7 @@ shift
 [ "$(id -u)" = 0 ] || die "a chroot needs root; run it with sudo"
 command -v debootstrap >/dev/null || die "debootstrap is missing; run: apt-get install debootstrap"
 
-system=$root/build/chroot/$suite
+system=/var/tmp/semantic_vslam/$suite
 log=$root/out/chroot/$suite.log
 mkdir -p "$(dirname "$log")" "$(dirname "$system")"
 : >"$log"
@@ -28,7 +28,7 @@ release
 if [ -z "${KEEP:-}" ]; then
   mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' | head -n 1)
   [ -n "$mirror" ] || die "no Debian mirror in the apt sources of this machine"
-  say "making a bare $suite in ${system#"$root/"}"
+  say "making a bare $suite in $system"
   rm -rf --one-file-system "$system"
   debootstrap --variant=minbase --include=ca-certificates,git "$suite" "$system" "$mirror" >>"$log" 2>&1 ||
     die "debootstrap (see ${log#"$root/"})"

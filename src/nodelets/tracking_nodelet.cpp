@@ -35,6 +35,7 @@ struct TrackingNodeletConfig {
   FramesConfig frames;
   InitialPoseConfig initial_pose;
   RemovalConfig removal;
+  PeopleConfig people;
   SparseSlamConfig slam;
 
   template <class Visitor>
@@ -48,6 +49,7 @@ struct TrackingNodeletConfig {
     v.group("frames", frames);
     v.group("initial_pose", initial_pose);
     v.group("removal", removal);
+    v.group("people", people);
     slam.visit(v);  // tracking and mapping, as in a configuration file
   }
 };
@@ -95,8 +97,8 @@ void TrackingNodelet::start() {
   converter_.emplace(config_.input);
   // Ids of an earlier run of this node must not pass for ours with whoever kept its keyframes.
   const std::uint32_t first_map_id = ros::WallTime::now().sec;
-  publisher_ = std::make_unique<TrackingPublisher>(nh, config_.frames, config_.initial_pose, config_.path_period_s,
-                                                   first_map_id);
+  publisher_ = std::make_unique<TrackingPublisher>(nh, config_.frames, config_.initial_pose, config_.people,
+                                                   config_.path_period_s, first_map_id);
   diagnostics_ = std::make_unique<StageDiagnostics>(nh, private_nh, getName(), "tracking", config_.budget_ms);
   run(nh, first_map_id);
   // Services wait for a frame or for bundle adjustment: on threads of their own, so that images still come in.

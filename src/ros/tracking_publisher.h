@@ -15,6 +15,7 @@
 
 #include "core/pipeline/tracking_stage.h"
 #include "core/runtime/step_clock.h"
+#include "ros/people_publisher.h"
 #include "ros/tf_publisher.h"
 #include "semantic_vslam/core/io/trajectory.h"
 
@@ -37,15 +38,15 @@ struct InitialPoseConfig {
   SE3 transform() const;
 };
 
-/// Publishes what tracking finds: tf and tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points}. All
-/// of it comes from what a step gives; the map itself is never asked.
+/// Publishes what tracking finds: tf and tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points}, and
+/// the people about, see PeoplePublisher. All of it comes from what a step gives; the map itself is never asked.
 class TrackingPublisher {
  public:
   /// @param first_map_id  of the stage
   /// @param path_period_s  between publications of the path, in the images' time
   /// @throws ConfigError, see TfPublisher
   TrackingPublisher(ros::NodeHandle nh, const FramesConfig& frames, const InitialPoseConfig& initial_pose,
-                    double path_period_s, std::uint32_t first_map_id);
+                    const PeopleConfig& people, double path_period_s, std::uint32_t first_map_id);
 
   /// See TfPublisher; without it a frame cannot be used. May wait; not serialised with the other calls.
   std::optional<BodyTransforms> lookUp(const std_msgs::Header& image) { return tf_.lookUp(image); }
@@ -77,6 +78,7 @@ class TrackingPublisher {
   const InitialPoseConfig initial_pose_;
   const double path_period_s_;
   TfPublisher tf_;
+  PeoplePublisher people_;
   std::uint32_t map_id_;
   std::atomic<bool> keep_anchor_{false};
   mutable std::mutex mutex_;

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 # SPDX-License-Identifier: BSD-3-Clause
-# ONNX Runtime: target ONNXRuntime::ONNXRuntime. No distribution package on Debian 12 and Ubuntu 20.04; ./run fetches it
-# into the cache named here.
+# ONNX Runtime: target ONNXRuntime::ONNXRuntime. Debian 13 packages it (libonnxruntime-dev), older systems do not: ./run
+# fetches it into the cache named here.
 set(ONNXRUNTIME_ROOT "$ENV{ONNXRUNTIME_ROOT}" CACHE PATH "prefix that holds include/onnxruntime_cxx_api.h and lib/libonnxruntime.so")
 set(onnxruntime_hints ${ONNXRUNTIME_ROOT} ${ONNXRUNTIME_BUILT_WITH} $ENV{XDG_CACHE_HOME}/semantic_vslam/onnxruntime-1.21.0
                       $ENV{HOME}/.cache/semantic_vslam/onnxruntime-1.21.0)

@@ -10,4 +10,6 @@ find_package(yaml-cpp REQUIRED)
 find_package(octomap REQUIRED)
 find_package(Threads REQUIRED)
 list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR})
-find_package(ONNXRuntime REQUIRED)
+if(NOT TARGET ONNXRuntime::ONNXRuntime)
+  find_package(ONNXRuntime)  # without it no network runs
+endif()

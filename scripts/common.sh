@@ -11,13 +11,13 @@ die() {
   exit 1
 }
 
-# "debian12", "noetic" (Ubuntu 20.04) or "other"
+# "debian11", "debian12", "debian13", "noetic" (Ubuntu 20.04) or "other"
 system_name() {
   local id version
   id=$(. /etc/os-release && echo "$ID")
   version=$(. /etc/os-release && echo "${VERSION_ID:-}")
   case $id-$version in
-    debian-12) echo debian12 ;;
+    debian-11 | debian-12 | debian-13) echo "debian$version" ;;
     ubuntu-20.04) echo noetic ;;
     *) echo other ;;
   esac

@@ -1,19 +1,28 @@
 #!/usr/bin/env bash
 # SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 # SPDX-License-Identifier: BSD-3-Clause
-# Prints the prefix of ONNX Runtime (include/ and lib/): ONNXRUNTIME_ROOT if set, else a system copy, else the cached one, which
-# is downloaded first if need be. Neither Debian 12 nor Ubuntu 20.04 packages it for C++, so it is put together from
+# Prints the prefix of ONNX Runtime (include/ and lib/): ONNXRUNTIME_ROOT if set, else a system copy (Debian 13 has one), else the
+# cached one, which is downloaded first if need be. Older systems do not package it for C++, so it is put together from
 #   headers: Debian 13's libonnxruntime-dev, unpacked, never installed, from the Debian mirror this machine is set up with;
 #   library: the Python wheel of the same version (they must match: symbols are versioned), by pip.
+# Prints nothing where there is none to be had (a system without a Debian mirror, another processor) or ONNXRUNTIME_ROOT=none: the
+# build goes on without segmentation.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/scripts/common.sh"
 
 version=1.21.0
+keyring=/usr/share/keyrings/debian-archive-keyring.gpg
 headers_version=$version+dfsg-1
 headers_sha256=14f7d959d5deacbcf1504830d4189f91fc67382b399ed9ae9d3aa9c4050ced08
-wheel_sha256=8a5d09815a9e209fa0cb20c2985b34ab4daeba7aea94d0f96b8751eb10403201
-advice="get ONNX Runtime $version (include/ and lib/) another way and set ONNXRUNTIME_ROOT to its folder"
+machine=$(uname -m)
+case $machine in
+  x86_64) wheel_sha256=8a5d09815a9e209fa0cb20c2985b34ab4daeba7aea94d0f96b8751eb10403201 ;;
+  aarch64) wheel_sha256=7f9156cf6f8ee133d07a751e6518cf6f84ed37fbf8243156bd4a2c4ee6e073c8 ;;
+  *) wheel_sha256='' ;;
+esac
+advice="get ONNX Runtime $version (include/ and lib/; releases of microsoft/onnxruntime have them) and set ONNXRUNTIME_ROOT to its
+folder, or ONNXRUNTIME_ROOT=none to build without segmentation"
 
 # usage: is_complete PREFIX
 is_complete() {
@@ -21,6 +30,10 @@ is_complete() {
     { compgen -G "$1/lib*/libonnxruntime.so" || compgen -G "$1/lib/*/libonnxruntime.so"; } >/dev/null
 }
 
+if [ "${ONNXRUNTIME_ROOT:-}" = none ]; then
+  say "building without segmentation, as ONNXRUNTIME_ROOT=none says"
+  exit 0
+fi
 if [ -n "${ONNXRUNTIME_ROOT:-}" ]; then
   is_complete "$ONNXRUNTIME_ROOT" || die "ONNXRUNTIME_ROOT=$ONNXRUNTIME_ROOT lacks onnxruntime_cxx_api.h or libonnxruntime.so"
   echo "$ONNXRUNTIME_ROOT"
@@ -34,7 +47,13 @@ for candidate in /usr /usr/local "$prefix"; do
   fi
 done
 
-[ "$(uname -m)" = x86_64 ] || die "no pinned ONNX Runtime for $(uname -m); $advice"
+# usage: do_without WHY
+do_without() {
+  say "building WITHOUT segmentation: $1. To have it, $advice"
+  exit 0
+}
+[ -n "$wheel_sha256" ] || do_without "no ONNX Runtime is pinned for $machine"
+[ -f "$keyring" ] || do_without "this system has no Debian mirror to take ONNX Runtime's headers from"
 say "fetching ONNX Runtime $version into $prefix (16 MB)"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -57,17 +76,18 @@ debian_mirror() {
 }
 
 get_headers() {
-  local mirror keyring=/usr/share/keyrings/debian-archive-keyring.gpg
+  local mirror
   mirror=$(debian_mirror)
   if [ -z "$mirror" ]; then  # package lists were never fetched, or were cleaned away
     write_apt_conf "$work/system.conf"
     mirror=$(export APT_CONFIG="$work/system.conf" && apt-get -qq update && debian_mirror) || true
   fi
-  if [ -z "$mirror" ] || [ ! -f $keyring ]; then
+  if [ -z "$mirror" ]; then
     die "no Debian mirror in the apt sources to take ONNX Runtime's headers from; $advice"
   fi
   echo "deb [signed-by=$keyring] $mirror trixie main" >"$work/sources.list"
   write_apt_conf "$work/trixie.conf" "$work/sources.list"
+  echo 'APT::Architecture "amd64"; APT::Architectures { "amd64"; };' >>"$work/trixie.conf"  # headers are the same for all
   (
     cd "$work/headers"
     export APT_CONFIG=$work/trixie.conf
@@ -82,7 +102,7 @@ get_headers() {
 get_library() {
   echo "onnxruntime==$version --hash=sha256:$wheel_sha256" >"$work/wheel.txt"
   python3 -m pip -q download --no-deps --require-hashes --only-binary=:all: --python-version 311 --implementation cp \
-    --platform manylinux_2_28_x86_64 --platform manylinux_2_27_x86_64 -d "$work" -r "$work/wheel.txt" >&2 ||
+    --platform "manylinux_2_28_$machine" --platform "manylinux_2_27_$machine" -d "$work" -r "$work/wheel.txt" >&2 ||
     die "could not download the onnxruntime $version wheel with the pinned checksum by pip (message above); check the network, or $advice"
   python3 -m zipfile -e "$work"/onnxruntime-$version-*.whl "$work/wheel"
   cp "$work/wheel/onnxruntime/capi/libonnxruntime.so.$version" "$work/prefix/lib/"

@@ -7,17 +7,25 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/scripts/common.sh"
 purpose=${1:?usage: install_dependencies.sh build|demo|lint}
 
+# usage: wanted COLUMN   names of the packages for this purpose
+wanted() {
+  awk -v column="$1" -v purpose="$purpose" -v here="$(system_name)" '
+    { split($1, when, "@") }  # "build@debian13": only there
+    !/^#/ && NF && (when[1] == "build" || when[1] == purpose) && (when[2] == "" || when[2] == here) && $column != "-" { print $column }
+  ' "$root/scripts/packages.txt" | sort -u
+}
+
 case $(system_name) in
-  debian12) column=2 ;;
+  debian*) column=2 ;;
   noetic) column=3 ;;
   *)
-    say "this system is neither Debian 12 nor Ubuntu 20.04: going on with what is installed (list: scripts/packages.txt)"
-    exit 0
+    [ -z "${SKIP_PACKAGES:-}" ] || exit 0
+    die "this system is none of Debian 11, 12, 13 and Ubuntu 20.04. Install what these packages of Debian hold, then run with
+SKIP_PACKAGES=1: $(wanted 2 | tr '\n' ' ')"
     ;;
 esac
 
-wanted=$(awk -v column=$column -v purpose="$purpose" \
-  '!/^#/ && NF && ($1 == "build" || $1 == purpose) && $column != "-" { print $column }' "$root/scripts/packages.txt" | sort -u)
+wanted=$(wanted $column)
 installed() { dpkg-query -W -f '${db:Status-Status} ${Package}\n' | sed -n 's/^installed //p' | sort -u; }
 missing() { comm -23 <(echo "$wanted") <(installed); }
 

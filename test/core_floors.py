@@ -18,7 +18,7 @@ FLOORS = [
     ["io", "features", "labels"],
     ["map"],
     ["optimization"],
-    ["motion", "segmentation", "tracking", "loop", "mapping", "dense"],
+    ["motion", "segmentation", "tracking", "loop", "mapping", "dense", "people"],
     ["pipeline"],
     ["runtime"],
 ]

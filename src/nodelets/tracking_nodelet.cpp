@@ -32,6 +32,7 @@ struct TrackingNodeletConfig {
   FramesConfig frames;
   InitialPoseConfig initial_pose;
   RemovalConfig removal;
+  PeopleConfig people;
   SparseSlamConfig slam;
 
   template <class Visitor>
@@ -45,6 +46,7 @@ struct TrackingNodeletConfig {
     v.group("frames", frames);
     v.group("initial_pose", initial_pose);
     v.group("removal", removal);
+    v.group("people", people);
     slam.visit(v);  // tracking and mapping, as in a configuration file
   }
 };
@@ -81,7 +83,7 @@ TrackingTopics::TrackingTopics(const NodeletHandles& node)
     : config_(loadParameters<TrackingNodeletConfig>(node.private_nh)),
       motion_runs_(node.nh, "motion/mask"),
       network_runs_(node.nh, "segmentation/labels"),
-      publisher_(node.nh, config_.frames, config_.initial_pose, config_.path_period_s, first_map_id_),
+      publisher_(node.nh, config_.frames, config_.initial_pose, config_.people, config_.path_period_s, first_map_id_),
       labels_wanted_(node.nh.advertise<std_msgs::Header>("tracking/labels_wanted", 1)),
       diagnostics_(node, "tracking", config_.budget_ms),
       runner_(TrackingStage(config_.slam, config_.waits, config_.removal, first_map_id_), config_.waits,

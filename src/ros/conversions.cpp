@@ -406,7 +406,10 @@ nav_msgs::OccupancyGrid toRos(const OccupancyGrid& grid, const std_msgs::Header&
   return message;
 }
 
-sensor_msgs::PointCloud2Ptr toRos(const std::vector<Eigen::Vector3d>& points, const std_msgs::Header& header) {
+namespace {
+
+template <class Point>
+sensor_msgs::PointCloud2Ptr toCloud(const std::vector<Point>& points, const std_msgs::Header& header) {
   auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
   cloud->header = header;
   cloud->is_dense = true;
@@ -414,11 +417,21 @@ sensor_msgs::PointCloud2Ptr toRos(const std::vector<Eigen::Vector3d>& points, co
   modifier.setPointCloud2FieldsByString(1, "xyz");
   modifier.resize(points.size());
   sensor_msgs::PointCloud2Iterator<float> xyz(*cloud, "x");
-  for (const Eigen::Vector3d& point : points) {
+  for (const Point& point : points) {
     for (int i = 0; i < 3; ++i) xyz[i] = static_cast<float>(point[i]);
     ++xyz;
   }
   return cloud;
+}
+
+}  // namespace
+
+sensor_msgs::PointCloud2Ptr toRos(const std::vector<Eigen::Vector3d>& points, const std_msgs::Header& header) {
+  return toCloud(points, header);
+}
+
+sensor_msgs::PointCloud2Ptr toRos(const std::vector<Eigen::Vector3f>& points, const std_msgs::Header& header) {
+  return toCloud(points, header);
 }
 
 }  // namespace semantic_vslam

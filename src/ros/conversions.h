@@ -111,5 +111,6 @@ nav_msgs::OccupancyGrid toRos(const OccupancyGrid& grid, const std_msgs::Header&
 
 /// Unordered cloud with the fields x y z (float32, metres).
 sensor_msgs::PointCloud2Ptr toRos(const std::vector<Eigen::Vector3d>& points, const std_msgs::Header& header);
+sensor_msgs::PointCloud2Ptr toRos(const std::vector<Eigen::Vector3f>& points, const std_msgs::Header& header);
 
 }  // namespace semantic_vslam

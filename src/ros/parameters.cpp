@@ -18,6 +18,7 @@ using Entries = std::vector<std::pair<std::string, std::string>>;
 /// Names that belong to ROS or to the loader itself. `thresholds` is where dynamic_reconfigure mirrors its values, as
 /// do the image transports under their own names.
 const std::set<std::string> kReserved = {"config_file",
+                                         "restarted",
                                          "thresholds",
                                          "diagnostic_period",
                                          "image_transport",

@@ -50,12 +50,13 @@ SE3 InitialPoseConfig::transform() const {
 }
 
 TrackingPublisher::TrackingPublisher(ros::NodeHandle nh, const FramesConfig& frames,
-                                     const InitialPoseConfig& initial_pose, double path_period_s,
-                                     std::uint32_t first_map_id)
+                                     const InitialPoseConfig& initial_pose, const PeopleConfig& people,
+                                     double path_period_s, std::uint32_t first_map_id)
     : frames_(frames),
       initial_pose_(initial_pose),
       path_period_s_(path_period_s),
       tf_(nh, frames),
+      people_(nh, people, frames.map_frame),
       map_id_(first_map_id) {
   odometry_ = nh.advertise<nav_msgs::Odometry>("tracking/odometry", 30);
   pose_ = nh.advertise<geometry_msgs::PoseWithCovarianceStamped>("tracking/pose", 30);
@@ -105,6 +106,10 @@ void TrackingPublisher::publish(const TrackingInput& input, const TrackingOutput
   if (!output.path.empty()) publishPath(image, output.path);
   publishState(image, input, output, time);
   if (waited) publishMap(*waited);
+  if (state == TrackingState::kOk) {
+    people_.publish(image, input.frame, input.motion.dynamic,
+                    frame_T_map_world_ * output.tracking.T_camera_world.inverse());
+  }
 }
 
 void TrackingPublisher::publishPose(const std_msgs::Header& image, const TrackingEstimate& tracking) {

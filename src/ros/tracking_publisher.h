@@ -17,6 +17,7 @@
 #include "core/io/trajectory.h"
 #include "core/pipeline/tracking_stage.h"
 #include "core/runtime/step_clock.h"
+#include "ros/people_publisher.h"
 #include "ros/stage_diagnostics.h"
 #include "ros/tf_publisher.h"
 
@@ -39,15 +40,15 @@ struct InitialPoseConfig {
   SE3 transform() const;
 };
 
-/// Publishes what tracking finds: tf and tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points}. All
-/// of it comes from what a step gives; the map itself is never asked.
+/// Publishes what tracking finds: tf and tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points}, and
+/// the people about, see PeoplePublisher. All of it comes from what a step gives; the map itself is never asked.
 class TrackingPublisher {
  public:
   /// @param first_map_id  of the stage
   /// @param path_period_s  between publications of the path, in the images' time
   /// @throws ConfigError, see TfPublisher
   TrackingPublisher(ros::NodeHandle nh, const FramesConfig& frames, const InitialPoseConfig& initial_pose,
-                    double path_period_s, std::uint32_t first_map_id);
+                    const PeopleConfig& people, double path_period_s, std::uint32_t first_map_id);
 
   /// Asks tf where the body is at a frame that will be tracked next; may wait. @return false: the frame cannot be used
   bool locateBody(const RgbdFrame& frame);
@@ -77,6 +78,7 @@ class TrackingPublisher {
   const InitialPoseConfig initial_pose_;
   const double path_period_s_;
   TfPublisher tf_;
+  PeoplePublisher people_;
   std::atomic<bool> keep_anchor_{false};
   // Of tracking's thread only, at the frame in work.
   BodyTransforms body_;

@@ -18,7 +18,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from octomap_msgs.msg import Octomap
 from programs import program
-from semantic_vslam.msg import KeyframePoseArray, KeyframeStamped, MotionReport, TrackingReport
+from semantic_vslam.msg import KeyframePoseArray, KeyframeStamped, MotionReport, MoverArray, TrackingReport
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from std_srvs.srv import SetBool, Trigger
 from tf import transformations
@@ -108,13 +108,14 @@ class Recording:
 class Listener:
     def __init__(self):
         self.states, self.poses, self.transforms, self.masks = [], {}, {}, {}
-        self.keyframes, self.newest, self.odometry, self.motion = [], {}, [], []
+        self.keyframes, self.newest, self.odometry, self.motion, self.people = [], {}, [], [], []
         self.subscribers = [
             rospy.Subscriber("tracking/state", TrackingReport, self.states.append, queue_size=500),
             rospy.Subscriber("tracking/pose", PoseWithCovarianceStamped, self.on_pose, queue_size=500),
             rospy.Subscriber("tracking/keyframe", KeyframeStamped, self.keyframes.append, queue_size=500),
             rospy.Subscriber("tracking/odometry", Odometry, self.odometry.append, queue_size=500),
             rospy.Subscriber("motion/report", MotionReport, self.motion.append, queue_size=500),
+            rospy.Subscriber("people", MoverArray, self.people.append, queue_size=500),
             rospy.Subscriber("motion/mask", Image, self.on_mask, queue_size=500),
             rospy.Subscriber("/tf", TFMessage, self.on_tf, queue_size=500)]
         for topic, kind in (("tracking/keyframe_poses", KeyframePoseArray), ("mapping/semantic_cloud", PointCloud2),
@@ -307,6 +308,29 @@ class SlamTest(unittest.TestCase):
         self.assertEqual(len(cells), grid.info.width * grid.info.height)
         self.assertGreater(numpy.count_nonzero(cells == 100), 10)
         self.assertEqual(self.seen.newest["mapping/objects"].markers[0].action, Marker.DELETEALL)
+
+    def test_8_people_are_told_of_where_they_are(self):
+        distances, frames = [], 0
+        fx, fy, cx, cy = (self.recording.K[index] for index in ((0, 0), (1, 1), (0, 2), (1, 2)))
+        for message in self.listener.people:
+            stamp = message.header.stamp.to_nsec()
+            if stamp not in self.listener.poses or stamp not in self.recording.masks:
+                continue
+            self.assertEqual(message.header.frame_id, "map")
+            depth = self.recording.depth_m[stamp]
+            rows, columns = numpy.nonzero(self.recording.masks[stamp] & (depth > 0) & (depth < 4))
+            if len(rows) < 0.05 * depth.size:
+                continue
+            frames += 1
+            z = depth[rows, columns]
+            points = numpy.stack(((columns - cx) / fx * z, (rows - cy) / fy * z, z, numpy.ones_like(z)))
+            seen = (self.listener.poses[stamp] @ points)[:2].T
+            for mover in message.movers:
+                at = numpy.array((mover.pose.pose.position.x, mover.pose.pose.position.y))
+                distances.append(numpy.linalg.norm(seen - at, axis=1).min())
+        self.assertGreater(frames, 20)
+        self.assertGreater(len(distances), 0.6 * frames, "movers while people are well in view")
+        self.assertLess(numpy.percentile(distances, 90), 0.3)
 
     def test_9_services(self):
         """Last: it changes what the others look at."""

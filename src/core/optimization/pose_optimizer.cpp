@@ -34,11 +34,20 @@ PoseCost makeCost(const PoseProblem& problem, const VirtualStereo& camera, const
   return PoseCost(camera, points);
 }
 
+/// Stops the solver when a step changes the cost by less. Ceres 1.14 (Ubuntu 20.04, Debian 11) has no such option and
+/// takes the steps that are left: the second form, which any other type of the last argument than int chooses.
+template <class Options>
+auto stopAtChange(Options& options, double of_cost, int) -> decltype(static_cast<void>(options.function_tolerance)) {
+  options.function_tolerance = of_cost;
+}
+template <class Options>
+void stopAtChange(Options&, double, long) {}
+
 SE3 minimise(const PoseCost& cost, const SE3& T0, int iterations) {
   ceres::TinySolver<PoseCost> solver;
   solver.options.max_num_iterations = iterations;
   // Of chi-square, absolute: the step that is left is a thirtieth of the pose's standard deviation.
-  solver.options.function_tolerance = 1e-3;
+  stopAtChange(solver.options, 1e-3, 0);
   Vector6d increment = Vector6d::Zero();
   solver.Solve(cost, &increment);
   return PoseIncrement(increment.data()).apply(T0);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/runtime/latest_task.h"
 
+#include <atomic>
 #include <exception>
 #include <string>
 #include <utility>

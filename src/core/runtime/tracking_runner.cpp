@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/runtime/tracking_runner.h"
 
+#include <atomic>
 #include <utility>
 
 #include "semantic_vslam/core/common/log.h"

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/segmentation/model_sidecar.h"
 
+#include <dlfcn.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -191,15 +192,44 @@ void readClasses(StrictMap& root, ModelSidecar& sidecar) {
   }
 }
 
-fs::path inSourceTree(const fs::path& path) { return fs::path(SEMANTIC_VSLAM_SOURCE_DIR) / path; }
-fs::path installed(const fs::path& path) { return fs::path(SEMANTIC_VSLAM_SHARE_DIR) / path; }
+/// The package's share folder in the install space that this code runs from, which may have been copied elsewhere since
+/// it was installed: it lies beside a folder lib above the library or program. Empty in a build tree.
+fs::path ownShareFolder() {
+  std::vector<fs::path> binaries;
+  std::error_code error;
+  Dl_info module;
+  if (dladdr(reinterpret_cast<const void*>(&loadModelSidecar), &module) != 0 && module.dli_fname != nullptr) {
+    binaries.push_back(fs::canonical(module.dli_fname, error));
+  }
+  binaries.push_back(fs::read_symlink("/proc/self/exe", error));
+  for (const auto& binary : binaries) {
+    for (fs::path folder = binary.parent_path(); folder.has_relative_path(); folder = folder.parent_path()) {
+      fs::path share = folder.parent_path() / "share/semantic_vslam";
+      if (folder.filename() == "lib" && fs::is_directory(share / "models")) return share;
+    }
+  }
+  return {};
+}
+
+/// Where a file of the package may lie: installed with this code, in the sources it was built from, or where a program
+/// that links the library statically finds the package's install space.
+std::vector<fs::path> placesOf(const fs::path& file) {
+  static const fs::path own = ownShareFolder();
+  std::vector<fs::path> places = {fs::path(SEMANTIC_VSLAM_SOURCE_DIR) / file,
+                                  fs::path(SEMANTIC_VSLAM_SHARE_DIR) / file};
+  if (!own.empty()) places.insert(places.begin(), own / file);
+  return places;
+}
 
 struct Search {
   std::string found;   ///< empty: none of the places has the file
   std::string places;  ///< for the error
 };
 
-Search searchFile(const std::vector<fs::path>& places) {
+/// @param first     is looked for before the package's file
+Search searchFile(const fs::path& first, const fs::path& packages_file) {
+  std::vector<fs::path> places = placesOf(packages_file);
+  places.insert(places.begin(), first);
   Search search;
   for (const auto& place : places) {
     if (fs::is_regular_file(place)) {
@@ -233,8 +263,7 @@ ModelSidecar loadModelSidecar(const std::string& path) {
 }
 
 std::string findModel(const std::string& model) {
-  const Search search =
-      searchFile({model, inSourceTree("models" / fs::path(model)), installed("models" / fs::path(model))});
+  const Search search = searchFile(model, "models" / fs::path(model));
   if (!search.found.empty()) return search.found;
   throw ModelError("network '" + model + "' is no file; looked for " + search.places +
                    "; set segmentation.model, or leave it empty to run without");
@@ -246,8 +275,7 @@ std::string findModelSidecar(const std::string& model, const std::string& sideca
     throw ModelError("segmentation.sidecar '" + sidecar + "' is no file");
   }
   const fs::path beside = fs::path(model).replace_extension(".yaml");
-  const fs::path shipped = "models/sidecars" / beside.filename();
-  const Search search = searchFile({beside, inSourceTree(shipped), installed(shipped)});
+  const Search search = searchFile(beside, "models/sidecars" / beside.filename());
   if (!search.found.empty()) return search.found;
   throw ModelError("network '" + model + "' has no sidecar; looked for " + search.places +
                    "; write one (models/README.md) or set segmentation.sidecar");

@@ -329,6 +329,8 @@ cv::Mat1b OnnxSegmenter::mapLabels() const {
 
 }  // namespace
 
+bool canRunNetworks() { return true; }
+
 std::unique_ptr<Segmenter> makeOnnxSegmenter(const SegmentationConfig& config) {
   validateConfig(config);
   SegmentationConfig found = config;

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+
 #include "core/optimization/relative_pose_cost.h"
 #include "core/support/synthetic_map.h"
 #include "numeric_jacobian.h"

@@ -3,24 +3,32 @@
 #include <semantic_vslam/KeyframePoseArray.h>
 #include <semantic_vslam/KeyframeStamped.h>
 #include <semantic_vslam/LabelInfo.h>
+#include <std_msgs/UInt32.h>
+#include <unistd.h>
 
 #include <memory>
+#include <optional>
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
 
+#include "core/dense/dense_map_file.h"
 #include "core/runtime/dense_runner.h"
 #include "ros/conversions.h"
 #include "ros/map_publisher.h"
 #include "ros/motion_input.h"
 #include "ros/parameters.h"
+#include "ros/recovery.h"
 #include "ros/stage_nodelet.h"
 #include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
 
+constexpr const char* kDenseFile = "/map.dense";
+
 struct MappingNodeletConfig {
   std::string map_frame = "map";
   std::string output_directory = ".";
+  std::string map;
   double budget_ms = 300.0;
   double publish_period_s = 1.0;
   KeyframeInputsConfig inputs;
@@ -32,7 +40,11 @@ struct MappingNodeletConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.text("map_frame", map_frame, "frame_id of the maps");
-    v.text("output_directory", output_directory, "where ~save writes cloud.pcd and map.ot");
+    v.text(
+        "output_directory", output_directory,
+        "where ~save writes cloud.pcd, map.ot and map.dense, of which the last is read when tracking loads the map it "
+        "belongs to");
+    v.text("map", map, "folder with a saved map that tracking loads at the start, see its ~map");
     v.field("budget_ms", budget_ms, 1.0, 10000.0, "ms a keyframe may take before the diagnostics warn");
     v.field("publish_period_s", publish_period_s, 0.1, 60.0, "s between publications of a map that changes");
     inputs.visit(v);
@@ -54,10 +66,13 @@ class MappingTopics {
  private:
   DenseRunner::Hooks hooks();
   void publishRemoved(const KeyframeInput& input, const cv::Mat1b& removed);
+  std::optional<DenseMapContent> saved(std::uint32_t map_id) const;
   void save(DenseStage& stage) const;
   void describe(StageDiagnostics::Status& status);
 
   const MappingNodeletConfig config_;
+  const std::string output_;
+  Recovery recovery_;  // of the runner's thread, but while it is made
   const Published motion_runs_, network_runs_;
   MapPublisher publisher_;
   ros::Publisher removed_;
@@ -68,12 +83,15 @@ class MappingTopics {
 
 MappingTopics::MappingTopics(const NodeletHandles& node)
     : config_(loadParameters<MappingNodeletConfig>(node.private_nh)),
+      output_(outputFolder(config_.output_directory)),
+      recovery_(node.private_nh, "map.dense"),
       motion_runs_(node.nh, "motion/mask"),
       network_runs_(node.nh, "segmentation/labels"),
       publisher_(node.nh, config_.map_frame, config_.objects),
       removed_(node.nh.advertise<sensor_msgs::Image>("mapping/removed", 5)),
       diagnostics_(node, "mapping", config_.budget_ms),
-      runner_(DenseStage(config_.dense, config_.removal), config_.inputs, config_.frames.kept_frames, hooks()),
+      runner_(DenseStage(config_.dense, config_.removal, [this](std::uint32_t map_id) { return saved(map_id); }),
+              config_.inputs, config_.frames.kept_frames, hooks()),
       inputs_(node) {
   if (!config_.dense.enabled) {
     ROS_INFO("dense.enabled is false: no dense map is made");
@@ -89,7 +107,13 @@ MappingTopics::MappingTopics(const NodeletHandles& node)
   });
   inputs_.trigger("save", [this] {
     runner_.run([this](DenseStage& stage) { save(stage); });
-    return "cloud.pcd and map.ot saved in " + config_.output_directory;
+    return "cloud.pcd, map.ot and map.dense saved in " + output_;
+  });
+  // With the sparse map, so that both can be loaded as one.
+  inputs_.waitingTopic<std_msgs::UInt32>("tracking/map_saved", 1, [this](const auto&) {
+    runner_.run([this](DenseStage& stage) {
+      if (stage.map().keyframes() > 0) stage.save(output_ + kDenseFile);
+    });
   });
   takeMotion(inputs_, [this](Stamp stamp, const MotionResult& motion) { runner_.take(stamp, motion); });
   inputs_.topic<sensor_msgs::Image>("segmentation/labels", 5,
@@ -114,7 +138,26 @@ DenseRunner::Hooks MappingTopics::hooks() {
             diagnostics_.record(input.keyframe.stamp, time);
             publishRemoved(input, removed);
           },
-          [this](DenseStage& stage) { publisher_.publish(stage); }};
+          [this](DenseStage& stage) {
+            publisher_.publish(stage);
+            recovery_.keep(stage.changes() + stage.map().keyframes(), [&](const std::string& path) {
+              if (stage.map().keyframes() > 0) stage.save(path);
+            });
+          }};
+}
+
+/// As it was saved with the sparse map, or left by this node when it was killed.
+std::optional<DenseMapContent> MappingTopics::saved(std::uint32_t map_id) const {
+  for (const std::string& path : {recovery_.left().value_or(""), config_.map + kDenseFile, output_ + kDenseFile}) {
+    if (path.empty() || access(path.c_str(), F_OK) != 0) continue;
+    try {
+      DenseMapContent content = readDenseMap(path);
+      if (content.map_id == map_id) return content;
+    } catch (const FileError& error) {
+      ROS_ERROR("%s; going on without it", error.what());
+    }
+  }
+  return std::nullopt;
 }
 
 /// What a keyframe's map leaves out, for who wants to look.
@@ -125,12 +168,10 @@ void MappingTopics::publishRemoved(const KeyframeInput& input, const cv::Mat1b& 
 }
 
 void MappingTopics::save(DenseStage& stage) const {
-  if (stage.map().keyframes() == 0) {
-    throw Error("the dense map is empty; the files in " + config_.output_directory + " are not touched");
-  }
   stage.map().finish();
-  stage.map().saveCloud(config_.output_directory + "/cloud.pcd");
-  stage.map().saveOctomap(config_.output_directory + "/map.ot");
+  stage.save(output_ + kDenseFile);
+  stage.map().saveCloud(output_ + "/cloud.pcd");
+  stage.map().saveOctomap(output_ + "/map.ot");
 }
 
 void MappingTopics::describe(StageDiagnostics::Status& status) {

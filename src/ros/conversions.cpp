@@ -266,6 +266,7 @@ KeyframePose fromRos(const KeyframeStamped& message) {
 MapSnapshot fromRos(const KeyframePoseArray& message) {
   MapSnapshot map;
   map.map_id = message.map_id;
+  map.origin = message.origin;
   for (const KeyframeStamped& keyframe : message.keyframes) {
     if (keyframe.placed) {
       map.poses.push_back(fromRos(keyframe));

@@ -42,8 +42,8 @@ void NodeInputs::onOff(const std::string& name, std::function<void(bool)> action
   serve<std_srvs::SetBool>(name, [action = std::move(action)](auto& request, auto&) { action(request.data); });
 }
 
-void NodeInputs::every(double period_s, std::function<void()> action) {
-  timers_.push_back(node_.nh.createSteadyTimer(
+void NodeInputs::timer(ros::NodeHandle& nh, double period_s, std::function<void()> action) {
+  timers_.push_back(nh.createSteadyTimer(
       ros::WallDuration(period_s),
       [this, action = std::move(action)](const ros::SteadyTimerEvent&) { refusals_.guard("timer", action); }));
 }

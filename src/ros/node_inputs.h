@@ -51,12 +51,17 @@ class NodeInputs {
   /// std_srvs/SetBool likewise.
   void onOff(const std::string& name, std::function<void(bool)> action);
   /// By the steady clock: a simulated one may stand still.
-  void every(double period_s, std::function<void()> action);
+  void every(double period_s, std::function<void()> action) { timer(node_.nh, period_s, std::move(action)); }
+  /// Likewise; the action may wait.
+  void everyWaiting(double period_s, std::function<void()> action) {
+    timer(node_.waiting_nh, period_s, std::move(action));
+  }
   /// Has the nodelet's health reported once a second, with that of these inputs.
   void report(StageDiagnostics& diagnostics, std::function<QueueCounters()> queue,
               std::function<void(StageDiagnostics::Status&)> details);
 
  private:
+  void timer(ros::NodeHandle& nh, double period_s, std::function<void()> action);
   template <class Message, class Callback>
   void subscribe(ros::NodeHandle& nh, const std::string& name, std::uint32_t queue_size, Callback callback) {
     using Pointer = boost::shared_ptr<const Message>;

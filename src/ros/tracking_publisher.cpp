@@ -73,6 +73,16 @@ bool TrackingPublisher::locateBody(const RgbdFrame& frame) {
   return body.has_value();
 }
 
+void TrackingPublisher::anchorNextMap(const std::optional<SE3>& T_map_world) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  next_T_map_world_ = T_map_world ? T_map_world : T_map_world_;
+}
+
+std::optional<SE3> TrackingPublisher::anchor() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return T_map_world_;
+}
+
 TrackingWishes TrackingPublisher::wishes(Stamp now) const {
   const bool path_is_due = now < last_path_ || secondsBetween(last_path_, now) >= path_period_s_;
   return {path_is_due && path_.getNumSubscribers() > 0 ? kLongestPath : 0, points_.getNumSubscribers() > 0};
@@ -82,7 +92,7 @@ TrackingWishes TrackingPublisher::wishes(Stamp now) const {
 /// @return false: the map was left already
 bool TrackingPublisher::follow(const MapSnapshot& map) {
   if (static_cast<std::int32_t>(map.map_id - map_id_) < 0) return false;
-  if (map.map_id != map_id_ && !keep_anchor_.exchange(false)) T_map_world_.reset();
+  if (map.map_id != map_id_) T_map_world_ = std::exchange(next_T_map_world_, std::nullopt);
   map_id_ = map.map_id;
   return true;
 }
@@ -169,9 +179,10 @@ void TrackingPublisher::publishMap(const MapSnapshot& map) {
     message.header.stamp = map.keyframes() > 0 ? toRos(newest_image_) : ros::Time();
   }
   if (map.map_id == published_.map_id && map.version < published_.version) return;
-  published_ = {map.map_id, map.version, {}, {}};
+  published_ = {map.map_id, map.origin, map.version, {}, {}};
   message.header.frame_id = frames_.map_frame;
   message.map_id = map.map_id;
+  message.origin = map.origin;
   for (KeyframePose pose : map.poses) {
     pose.T_world_camera = T_map_world * pose.T_world_camera;
     message.keyframes.push_back(toRos(pose, frames_.map_frame, map.map_id));

@@ -58,8 +58,10 @@ class TrackingPublisher {
   void publish(const TrackingInput& input, const TrackingOutput& output, StepTime time);
   /// Publishes keyframes that are new or have moved, unless their map was left. From any thread.
   void publishMap(const MapSnapshot& map);
-  /// The next map lies as the present one does, not so that its first frame is at the initial pose.
-  void keepAnchor() { keep_anchor_ = true; }
+  /// The next map lies so, or as the present one does, not so that its first frame is at the initial pose.
+  void anchorNextMap(const std::optional<SE3>& T_map_world);
+  /// Where the present map's world lies in the map frame; nothing before its first frame.
+  std::optional<SE3> anchor() const;
 
   /// @param poses  of the optical frame in the world  @return the same in the map; empty where no frame has a pose yet
   std::vector<TimedPose> inMap(std::vector<TimedPose> poses) const;
@@ -79,7 +81,6 @@ class TrackingPublisher {
   const double path_period_s_;
   TfPublisher tf_;
   PeoplePublisher people_;
-  std::atomic<bool> keep_anchor_{false};
   // Of tracking's thread only, at the frame in work.
   BodyTransforms body_;
   SE3 frame_T_map_world_ = SE3::Identity();
@@ -87,7 +88,7 @@ class TrackingPublisher {
 
   mutable std::mutex mutex_;  // held for moments; guards these
   std::uint32_t map_id_;
-  std::optional<SE3> T_map_world_;
+  std::optional<SE3> T_map_world_, next_T_map_world_;
   std::optional<MapSnapshot> not_anchored_;  ///< to be published when the map has its place
   Stamp newest_image_;
   TrackingReport newest_;

@@ -312,9 +312,9 @@ class SlamTest(unittest.TestCase):
     def test_8_people_are_told_of_where_they_are(self):
         distances, frames = [], 0
         fx, fy, cx, cy = (self.recording.K[index] for index in ((0, 0), (1, 1), (0, 2), (1, 2)))
-        for message in self.listener.people:
+        for message in self.seen.people:
             stamp = message.header.stamp.to_nsec()
-            if stamp not in self.listener.poses or stamp not in self.recording.masks:
+            if stamp not in self.seen.poses or stamp not in self.recording.masks:
                 continue
             self.assertEqual(message.header.frame_id, "map")
             depth = self.recording.depth_m[stamp]
@@ -324,7 +324,7 @@ class SlamTest(unittest.TestCase):
             frames += 1
             z = depth[rows, columns]
             points = numpy.stack(((columns - cx) / fx * z, (rows - cy) / fy * z, z, numpy.ones_like(z)))
-            seen = (self.listener.poses[stamp] @ points)[:2].T
+            seen = (self.camera_pose(stamp) @ points)[:2].T
             for mover in message.movers:
                 at = numpy.array((mover.pose.pose.position.x, mover.pose.pose.position.y))
                 distances.append(numpy.linalg.norm(seen - at, axis=1).min())

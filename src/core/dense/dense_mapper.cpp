@@ -60,7 +60,7 @@ bool DenseMapper::add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& la
   const bool usable = frame.camera != nullptr && !frame.depth_m.empty() && fits(frame, labels) && fits(frame, dynamic);
   if (!usable || !inReach(T_world_camera) || keyframes_.count(id) > 0) return false;
   const cv::Mat1b excluded = excludedPixels(frame.depth_m, labels, dynamic, labels_, config_.keyframe);
-  Kept kept;
+  DenseKeyframe kept;
   kept.cloud = makeKeyframeCloud(id, frame, labels, excluded, config_.keyframe);
   kept.cloud.points = voxelFilter(kept.cloud.points, config_.cloud_resolution_m);
   kept.view = makeFreeSpaceView(frame, excluded, config_.keyframe);
@@ -86,7 +86,7 @@ bool DenseMapper::inReach(const SE3& T_world_camera) {
 }
 
 void DenseMapper::integrate(KeyframeId id, const SE3& T_world_camera, Version& version) const {
-  const Kept& kept = keyframes_.at(id);
+  const DenseKeyframe& kept = keyframes_.at(id);
   version.voxels.integrate(kept.cloud.points, kept.view, T_world_camera);
   version.T_world_camera[id] = T_world_camera;
 }
@@ -151,7 +151,7 @@ void DenseMapper::keepToBudget() {
   // one voxel 10 %.
   const double cell_m = config_.voxels.resolution_m / 2.0;
   for (auto it = keyframes_.begin(); it != keyframes_.end() && kept_bytes_ > budget_bytes; ++it) {
-    Kept& kept = it->second;
+    DenseKeyframe& kept = it->second;
     if (std::exchange(kept.thinned, true) || cell_m <= config_.cloud_resolution_m) continue;
     kept_bytes_ -= bytesOf(kept.cloud, kept.view);
     kept.cloud.points = voxelFilter(kept.cloud.points, cell_m);
@@ -167,7 +167,8 @@ void DenseMapper::keepToBudget() {
   }
 }
 
-std::map<KeyframeId, DenseMapper::Kept>::iterator DenseMapper::forget(std::map<KeyframeId, Kept>::iterator keyframe) {
+std::map<KeyframeId, DenseKeyframe>::iterator DenseMapper::forget(
+    std::map<KeyframeId, DenseKeyframe>::iterator keyframe) {
   kept_bytes_ -= bytesOf(keyframe->second.cloud, keyframe->second.view);
   served_.T_world_camera.erase(keyframe->first);
   if (next_) next_->T_world_camera.erase(keyframe->first);
@@ -225,6 +226,24 @@ void DenseMapper::clear() {
   kept_bytes_ = 0;
   next_.reset();
   served_ = Version{VoxelMap(config_.voxels), {}};
+}
+
+DenseMapContent DenseMapper::content(std::uint32_t map_id) const {
+  DenseMapContent content{map_id, labels_, {}};
+  for (const auto& [id, keyframe] : keyframes_) content.keyframes.push_back(keyframe);
+  return content;
+}
+
+void DenseMapper::restore(std::vector<DenseKeyframe> keyframes) {
+  clear();
+  for (DenseKeyframe& keyframe : keyframes) {
+    const KeyframeId id = keyframe.cloud.keyframe;
+    if (!inReach(keyframe.T_world_camera)) continue;
+    kept_bytes_ += bytesOf(keyframe.cloud, keyframe.view);
+    const auto& kept = keyframes_.emplace(id, std::move(keyframe)).first->second;
+    integrate(id, kept.T_world_camera, served_);
+  }
+  keepToBudget();
 }
 
 std::size_t DenseMapper::memoryBytes() const {

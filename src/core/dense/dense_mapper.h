@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/dense/free_space.h"
-#include "core/dense/keyframe_cloud.h"
+#include "core/dense/dense_map_file.h"
 #include "core/dense/occupancy_grid.h"
 #include "core/dense/octomap_export.h"
 #include "core/dense/voxel_map.h"
@@ -69,6 +68,11 @@ class DenseMapper {
 
   void clear();
 
+  /// All keyframes as they stand, to be saved. @param map_id  goes along
+  DenseMapContent content(std::uint32_t map_id) const;
+  /// Takes saved keyframes in the place of the present ones and builds the map from them.
+  void restore(std::vector<DenseKeyframe> keyframes);
+
   const VoxelMap& voxelMap() const { return served_.voxels; }
   const LabelSet& labels() const { return labels_; }
   std::size_t voxels() const { return served_.voxels.size(); }  ///< known, in the served map
@@ -79,13 +83,6 @@ class DenseMapper {
   std::size_t memoryBytes() const;                    ///< of the kept clouds and the voxel maps
 
  private:
-  struct Kept {
-    KeyframeCloud cloud;
-    FreeSpaceView view;
-    SE3 T_world_camera = SE3::Identity();  ///< newest known
-    bool thinned = false;                  ///< the cloud, to what the voxels need
-    bool culled = false;                   ///< the sparse map dropped it
-  };
   /// A map with the poses it was built from.
   struct Version {
     VoxelMap voxels;
@@ -98,11 +95,11 @@ class DenseMapper {
   SE3 poseAmong(const std::map<KeyframeId, SE3>& T_world_camera, KeyframeId id) const;
   bool stale() const;
   void keepToBudget();
-  std::map<KeyframeId, Kept>::iterator forget(std::map<KeyframeId, Kept>::iterator keyframe);
+  std::map<KeyframeId, DenseKeyframe>::iterator forget(std::map<KeyframeId, DenseKeyframe>::iterator keyframe);
 
   DenseConfig config_;
   LabelSet labels_;
-  std::map<KeyframeId, Kept> keyframes_;
+  std::map<KeyframeId, DenseKeyframe> keyframes_;
   std::size_t kept_bytes_ = 0;
   enum class FloorTold { kNothing, kMissing, kFound };
   mutable FloorTold floor_told_ = FloorTold::kNothing;  ///< what the log has; changes nothing that is served

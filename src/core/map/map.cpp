@@ -187,6 +187,7 @@ void Map::clear() {
   keyframes_.clear();
   landmarks_.clear();
   shared_.clear();
+  origin_ = {};
   ++version_;
 }
 

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <set>
 #include <unordered_map>
 #include <vector>
@@ -55,6 +57,12 @@ struct MapSolution {
 /// trees. Each tree has a frame of reference of its own: the one with the oldest keyframe is the world, another one was
 /// begun at an unknown place and waits to be joined with it (see joinTrees()). Knows no thread: the
 /// caller serialises access.
+/// What a saved map is known by.
+struct MapOrigin {
+  std::uint32_t map_id = 0;        ///< MapSnapshot::map_id when it was saved; 0: it never was
+  std::optional<SE3> T_map_world;  ///< where its world lay in the robot's map frame
+};
+
 class Map {
  public:
   // -- growing
@@ -92,6 +100,9 @@ class Map {
   KeyframeId worldRoot() const { return keyframes_.empty() ? KeyframeId() : keyframes_.begin()->first; }
   /// Whether the keyframe hangs in the tree of the oldest one, so that its pose is one in the world.
   bool isPlaced(KeyframeId id) const { return !keyframes_.empty() && rootOf(id) == worldRoot(); }
+  /// Of a map that was loaded, or is going to be saved.
+  const MapOrigin& origin() const { return origin_; }
+  void setOrigin(const MapOrigin& origin) { origin_ = origin; }
   /// Grows by one with every change that an optimiser's copied problem could conflict with (loop, reset, load).
   std::uint64_t version() const { return version_; }
 
@@ -134,6 +145,7 @@ class Map {
   std::unordered_map<LandmarkId, Landmark> landmarks_;
   std::unordered_map<KeyframeId, std::unordered_map<KeyframeId, int>> shared_;  ///< covisibility weights
   std::uint64_t next_keyframe_ = 0, next_landmark_ = 0, version_ = 0;
+  MapOrigin origin_;
 };
 
 }  // namespace semantic_vslam

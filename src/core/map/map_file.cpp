@@ -3,122 +3,24 @@
 #include "core/map/map_file.h"
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <set>
-#include <type_traits>
 #include <unordered_set>
 #include <utility>
 #include <vector>
 
 #include "core/common/atomic_file.h"
-#include "core/common/input_file.h"
+#include "core/common/binary_file.h"
+#include "core/geometry/binary_pose.h"
 #include "semantic_vslam/core/common/error.h"
-
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
-#error "map files are little-endian: byte swaps are missing here"
-#endif
 
 namespace semantic_vslam {
 namespace {
 
-constexpr char kMagic[8] = {'S', 'V', 'S', 'L', 'A', 'M', 'A', 'P'};
-constexpr std::uint32_t kFormatVersion = 1;
-constexpr std::size_t kHeaderBytes =
-    sizeof(kMagic) + sizeof(std::uint32_t) + sizeof(std::uint64_t) + sizeof(std::uint32_t);
+constexpr BinaryFormat kFormat = {"SVSLAMAP", 2, "map file"};
 constexpr std::size_t kDescriptorBytes = 32;
-
-/// CRC-32 as in zip and PNG (polynomial 0xEDB88320, reflected).
-std::uint32_t crc32(const char* data, std::size_t size) {
-  static const auto table = [] {
-    std::array<std::uint32_t, 256> t{};
-    for (std::uint32_t i = 0; i < t.size(); ++i) {
-      std::uint32_t c = i;
-      for (int bit = 0; bit < 8; ++bit) c = (c & 1U) != 0 ? 0xEDB88320U ^ (c >> 1) : c >> 1;
-      t[i] = c;
-    }
-    return t;
-  }();
-  std::uint32_t crc = 0xFFFFFFFFU;
-  for (std::size_t i = 0; i < size; ++i) crc = table[(crc ^ static_cast<std::uint8_t>(data[i])) & 0xFFU] ^ (crc >> 8);
-  return crc ^ 0xFFFFFFFFU;
-}
-
-class Writer {
- public:
-  template <class T>
-  void put(const T& value) {
-    static_assert(std::is_arithmetic<T>::value, "write members one by one: structs have padding");
-    putBytes(&value, sizeof(value));
-  }
-  void putBytes(const void* data, std::size_t size) { bytes_.append(static_cast<const char*>(data), size); }
-  void putCount(std::size_t count) { put(static_cast<std::uint64_t>(count)); }
-  template <class Tag>
-  void putId(Id<Tag> id) {
-    put(id.value());
-  }
-  template <class Derived>
-  void putMatrix(const Eigen::MatrixBase<Derived>& m) {
-    for (Eigen::Index r = 0; r < m.rows(); ++r) {
-      for (Eigen::Index c = 0; c < m.cols(); ++c) put(m(r, c));
-    }
-  }
-  std::string& bytes() { return bytes_; }
-
- private:
-  std::string bytes_;
-};
-
-/// Reads what Writer wrote; every step past the end or out of range is a FileError.
-class Reader {
- public:
-  Reader(const std::string& bytes, std::size_t offset, std::string name)
-      : bytes_(bytes), at_(offset), name_(std::move(name)) {}
-
-  template <class T>
-  T get() {
-    T value;
-    getBytes(&value, sizeof(value));
-    return value;
-  }
-  void getBytes(void* data, std::size_t size) {
-    require(size <= bytes_.size() - at_);
-    std::memcpy(data, bytes_.data() + at_, size);
-    at_ += size;
-  }
-  /// A number of items of at least item_bytes each: more than the file can hold is refused before memory is taken.
-  std::size_t getCount(std::size_t item_bytes) {
-    const auto count = get<std::uint64_t>();
-    require(count <= (bytes_.size() - at_) / item_bytes);
-    return static_cast<std::size_t>(count);
-  }
-  template <class SomeId>
-  SomeId getId() {
-    return SomeId(get<std::uint64_t>());
-  }
-  template <class Derived>
-  void getMatrix(Eigen::MatrixBase<Derived>& m) {
-    for (Eigen::Index r = 0; r < m.rows(); ++r) {
-      for (Eigen::Index c = 0; c < m.cols(); ++c) m(r, c) = get<typename Derived::Scalar>();
-    }
-  }
-  bool atEnd() const { return at_ == bytes_.size(); }
-  void require(bool consistent) const {
-    if (!consistent)
-      throw FileError("map file '" + name_ + "' is damaged: its content contradicts itself; save it anew");
-  }
-
- private:
-  const std::string& bytes_;
-  std::size_t at_;
-  std::string name_;
-};
 
 using Cameras = std::vector<std::shared_ptr<const CameraModel>>;
 
@@ -141,20 +43,14 @@ Cameras collectCameras(const Map& map, std::vector<std::uint32_t>& camera_of_key
   return cameras;
 }
 
-/// Also refuses NaN.
-bool isPosition(const Eigen::Vector3d& p_m) {
-  constexpr double kFarthestM = 1e7;  // ten times what initial_pose takes
-  return p_m.cwiseAbs().maxCoeff() <= kFarthestM && p_m.allFinite();
-}
-
-void writeCamera(Writer& out, const CameraIntrinsics& k) {
+void writeCamera(BinaryWriter& out, const CameraIntrinsics& k) {
   out.put<std::int32_t>(k.width);
   out.put<std::int32_t>(k.height);
   for (const double value : {k.fx, k.fy, k.cx, k.cy}) out.put(value);
   for (const double value : k.distortion) out.put(value);
 }
 
-std::shared_ptr<const CameraModel> readCamera(Reader& in) {
+std::shared_ptr<const CameraModel> readCamera(BinaryReader& in) {
   CameraIntrinsics k;
   k.width = in.get<std::int32_t>();
   k.height = in.get<std::int32_t>();
@@ -168,7 +64,7 @@ std::shared_ptr<const CameraModel> readCamera(Reader& in) {
   }
 }
 
-void writeFeatures(Writer& out, const FrameFeatures& features) {
+void writeFeatures(BinaryWriter& out, const FrameFeatures& features) {
   out.putCount(features.size());
   for (const Feature& f : features.features) {
     out.putMatrix(f.raw_px);
@@ -182,7 +78,7 @@ void writeFeatures(Writer& out, const FrameFeatures& features) {
     out.putBytes(features.descriptors.ptr(i), kDescriptorBytes);
 }
 
-std::shared_ptr<const FrameFeatures> readFeatures(Reader& in) {
+std::shared_ptr<const FrameFeatures> readFeatures(BinaryReader& in) {
   auto features = std::make_shared<FrameFeatures>();
   features->features.resize(in.getCount(7 * sizeof(float) + 1 + kDescriptorBytes));
   for (Feature& f : features->features) {
@@ -201,11 +97,10 @@ std::shared_ptr<const FrameFeatures> readFeatures(Reader& in) {
   return features;
 }
 
-void writeKeyframe(Writer& out, const Keyframe& keyframe, std::uint32_t camera) {
+void writeKeyframe(BinaryWriter& out, const Keyframe& keyframe, std::uint32_t camera) {
   out.putId(keyframe.id);
   out.put(keyframe.stamp.ns);
-  out.putMatrix(keyframe.T_camera_world.linear());
-  out.putMatrix(keyframe.T_camera_world.translation());
+  putPose(out, keyframe.T_camera_world);
   out.put(camera);
   out.putId(keyframe.parent);
   out.putCount(keyframe.loop_edges.size());
@@ -213,18 +108,11 @@ void writeKeyframe(Writer& out, const Keyframe& keyframe, std::uint32_t camera) 
   writeFeatures(out, *keyframe.features);
 }
 
-Keyframe readKeyframe(Reader& in, const Cameras& cameras) {
+Keyframe readKeyframe(BinaryReader& in, const Cameras& cameras) {
   Keyframe keyframe;
   keyframe.id = in.getId<KeyframeId>();
   keyframe.stamp.ns = in.get<std::int64_t>();
-  Eigen::Matrix3d rotation;
-  Eigen::Vector3d translation;
-  in.getMatrix(rotation);
-  in.getMatrix(translation);
-  const double skewed = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  in.require(skewed < 1e-3 && rotation.determinant() > 0.0 && isPosition(translation));  // NaN fails, too
-  keyframe.T_camera_world.linear() = rotation;
-  keyframe.T_camera_world.translation() = translation;
+  keyframe.T_camera_world = getPose(in);
   const auto camera = in.get<std::uint32_t>();
   in.require(camera < cameras.size());
   keyframe.camera = cameras[camera];
@@ -235,7 +123,7 @@ Keyframe readKeyframe(Reader& in, const Cameras& cameras) {
   return keyframe;
 }
 
-void writeLandmark(Writer& out, const Landmark& landmark) {
+void writeLandmark(BinaryWriter& out, const Landmark& landmark) {
   out.putId(landmark.id);
   out.putMatrix(landmark.position_world);
   out.putMatrix(landmark.mean_view_direction);
@@ -253,7 +141,7 @@ void writeLandmark(Writer& out, const Landmark& landmark) {
   }
 }
 
-Landmark readLandmark(Reader& in) {
+Landmark readLandmark(BinaryReader& in) {
   Landmark landmark;
   landmark.id = in.getId<LandmarkId>();
   in.getMatrix(landmark.position_world);
@@ -278,7 +166,7 @@ Landmark readLandmark(Reader& in) {
 }
 
 /// Checks what Map::restore takes for granted.
-void checkLinks(const Reader& in, const std::map<KeyframeId, Keyframe>& keyframes,
+void checkLinks(const BinaryReader& in, const std::map<KeyframeId, Keyframe>& keyframes,
                 const std::unordered_map<LandmarkId, Landmark>& landmarks) {
   std::unordered_set<KeyframeId> rooted;  // whose parents are known to lead to a root
   for (const auto& [id, keyframe] : keyframes) {
@@ -301,29 +189,6 @@ void checkLinks(const Reader& in, const std::map<KeyframeId, Keyframe>& keyframe
   }
 }
 
-/// @return offset of the payload
-std::size_t checkHeader(const std::string& content, const std::string& name) {
-  if (content.size() < sizeof(kMagic) || std::memcmp(content.data(), kMagic, sizeof(kMagic)) != 0) {
-    throw FileError("'" + name + "' is no map file of semantic_vslam");
-  }
-  const std::string truncated = "map file '" + name + "' is truncated: save or copy it anew";
-  if (content.size() < kHeaderBytes) throw FileError(truncated);
-  Reader in(content, sizeof(kMagic), name);
-  const auto version = in.get<std::uint32_t>();
-  if (version != kFormatVersion) {
-    throw FileError("map file '" + name + "' has format version " + std::to_string(version) + ", this program reads " +
-                    std::to_string(kFormatVersion) + ": save it anew with this program");
-  }
-  const auto payload_bytes = in.get<std::uint64_t>();
-  const auto checksum = in.get<std::uint32_t>();
-  if (content.size() - kHeaderBytes < payload_bytes) throw FileError(truncated);
-  if (content.size() - kHeaderBytes > payload_bytes ||
-      crc32(content.data() + kHeaderBytes, content.size() - kHeaderBytes) != checksum) {
-    throw FileError("map file '" + name + "' is damaged: its checksum does not fit; save or copy it anew");
-  }
-  return kHeaderBytes;
-}
-
 std::vector<LandmarkId> sortedLandmarks(const Map& map) {
   std::vector<LandmarkId> ids;
   for (const auto& [id, landmark] : map.landmarks()) {
@@ -336,7 +201,10 @@ std::vector<LandmarkId> sortedLandmarks(const Map& map) {
 }  // namespace
 
 std::string serializeMap(const Map& map) {
-  Writer payload;
+  BinaryWriter payload;
+  payload.put(map.origin().map_id);
+  payload.put<std::uint8_t>(map.origin().T_map_world ? 1 : 0);
+  putPose(payload, map.origin().T_map_world.value_or(SE3::Identity()));
   payload.put(map.nextKeyframe());
   payload.put(map.nextLandmark());
   std::vector<std::uint32_t> camera_of_keyframe;
@@ -351,17 +219,16 @@ std::string serializeMap(const Map& map) {
   payload.putCount(map.landmarks().size());
   for (const LandmarkId id : sortedLandmarks(map)) writeLandmark(payload, *map.landmark(id));
 
-  Writer file;
-  file.putBytes(kMagic, sizeof(kMagic));
-  file.put(kFormatVersion);
-  file.putCount(payload.bytes().size());
-  file.put(crc32(payload.bytes().data(), payload.bytes().size()));
-  file.bytes() += payload.bytes();
-  return std::move(file.bytes());
+  return payload.file(kFormat);
 }
 
 void parseMap(const std::string& content, const std::string& name, Map& map) {
-  Reader in(content, checkHeader(content, name), name);
+  BinaryReader in(content, kFormat, name);
+  MapOrigin origin;
+  origin.map_id = in.get<std::uint32_t>();
+  const bool placed = in.get<std::uint8_t>() != 0;
+  const SE3 T_map_world = getPose(in);
+  if (placed) origin.T_map_world = T_map_world;
   const auto next_keyframe = in.get<std::uint64_t>();
   const auto next_landmark = in.get<std::uint64_t>();
   // New ones are numbered from these on: they must be far from their end, and the last one means "none".
@@ -386,18 +253,12 @@ void parseMap(const std::string& content, const std::string& name, Map& map) {
   in.require(in.atEnd());
   checkLinks(in, keyframes, landmarks);
   map.restore(std::move(keyframes), std::move(landmarks), next_keyframe, next_landmark);
+  map.setOrigin(origin);
 }
 
 void saveMap(const std::string& path, const Map& map) { writeTextAtomically(path, serializeMap(map)); }
 
-void loadMap(const std::string& path, Map& map) {
-  requireRegularFile("map file", path);
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw FileError("map file '" + path + "' cannot be opened: " + std::strerror(errno));
-  const std::string content((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (file.bad()) throw FileError("map file '" + path + "' cannot be read: " + std::strerror(errno));
-  parseMap(content, path, map);
-}
+void loadMap(const std::string& path, Map& map) { parseMap(readBinaryFile(kFormat, path), path, map); }
 
 void indexKeyframes(const Map& map, PlaceIndex& index) {
   for (const auto& [id, keyframe] : map.keyframes()) index.add(id, *keyframe.features);

@@ -9,9 +9,8 @@
 
 namespace semantic_vslam {
 
-/// The sparse map as a file. Little-endian, in this order:
-///     "SVSLAMAP", u32 format version, u64 bytes of payload, u32 CRC-32 of payload, payload;
-///     payload: next ids; cameras; keyframes by id (stamp, pose, camera, parent, loop edges, features, descriptors);
+/// The sparse map as a BinaryFormat file "SVSLAMAP"; its payload, in this order:
+///     origin; next ids; cameras; keyframes by id (stamp, pose, camera, parent, loop edges, features, descriptors);
 ///     landmarks by id (position, view direction, distance range, descriptor, counts, observations).
 /// Covisibility and the keyframes' matches follow from the observations and are not stored; neither is the place index.
 /// The same map always gives the same bytes, and a loaded map saves as the file it came from.

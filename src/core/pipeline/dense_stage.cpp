@@ -5,28 +5,56 @@
 #include <algorithm>
 #include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
+#include "core/common/atomic_file.h"
 #include "core/dense/dense_mapper.h"
 #include "core/dense/waiting_keyframes.h"
 #include "semantic_vslam/core/common/config_fields.h"
+#include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
 
 namespace semantic_vslam {
 
 struct DenseStage::Inside {
-  Inside(const DenseConfig& dense_config, const RemovalConfig& removal_config)
-      : config(dense_config), removal(removal_config) {
+  Inside(const DenseConfig& dense_config, const RemovalConfig& removal_config, Saved saved_maps)
+      : config(dense_config), removal(removal_config), saved(std::move(saved_maps)) {
     validateConfig(removal);
     mapper.emplace(config, label_set);
   }
 
   void start(std::uint32_t id) {
     map_id = id;
+    origin = 0;
     poses.clear();
     waiting.clear();
     changes += mapper->rebuilds() + 1;  // the new mapper counts from 0
     mapper.emplace(config, label_set);
+  }
+  /// Begins another map than before, with what was saved of it.
+  void begin(const MapSnapshot& map) {
+    // The sparse map came back under another number, since its process did: it is the one that is held here.
+    if (map.origin != 0 && map_id && (map.origin == *map_id || map.origin == origin) && mapper->keyframes() > 0) {
+      map_id = map.map_id;
+      origin = map.origin;
+      return;
+    }
+    start(map.map_id);
+    origin = map.origin;
+    for (const std::uint32_t id : {map.map_id, map.origin}) {
+      std::optional<DenseMapContent> content = saved && id != 0 ? saved(id) : std::nullopt;
+      if (!content) continue;
+      if (label_set.size() <= 1) label_set = content->labels;
+      if (content->labels.classes != label_set.classes) {
+        logWarning("the saved dense map has other classes than the network: it is not taken");
+        continue;
+      }
+      mapper.emplace(config, label_set);
+      mapper->restore(std::move(content->keyframes));
+      logInfo("the dense map of " + std::to_string(mapper->keyframes()) + " saved keyframes is back");
+      return;
+    }
   }
   void place() {
     const std::size_t before = waiting.size();
@@ -36,17 +64,19 @@ struct DenseStage::Inside {
 
   const DenseConfig config;
   const RemovalConfig removal;
+  const Saved saved;
   LabelSet label_set;
   std::optional<DenseMapper> mapper;
   WaitingKeyframes waiting;
   std::vector<KeyframePose> poses;  ///< newest known
   std::optional<std::uint32_t> map_id, newest_map_id;
+  std::uint32_t origin = 0;  ///< of MapSnapshot
   std::set<std::uint32_t> left_maps;
   std::size_t changes = 0, culled = 0;
 };
 
-DenseStage::DenseStage(const DenseConfig& config, const RemovalConfig& removal)
-    : inside_(std::make_unique<Inside>(config, removal)) {}
+DenseStage::DenseStage(const DenseConfig& config, const RemovalConfig& removal, Saved saved)
+    : inside_(std::make_unique<Inside>(config, removal, std::move(saved))) {}
 DenseStage::~DenseStage() = default;
 DenseStage::DenseStage(DenseStage&&) noexcept = default;
 
@@ -68,7 +98,7 @@ cv::Mat1b DenseStage::add(const KeyframeInput& input) {
 
 void DenseStage::take(const MapSnapshot& map) {
   if (!isOfNewestMap(map.map_id)) return;
-  if (map.map_id != inside_->map_id) inside_->start(map.map_id);
+  if (map.map_id != inside_->map_id) inside_->begin(map);
   inside_->poses = map.poses;
   inside_->place();
   inside_->mapper->updatePoses(inside_->poses);
@@ -83,8 +113,9 @@ void DenseStage::take(const MapSnapshot& map) {
 }
 
 void DenseStage::take(const LabelSet& label_set) {
-  // The same classes come again when their publisher is connected anew.
-  if (label_set.classes == inside_->label_set.classes) return;
+  // The same classes come again when their publisher is connected anew. Nobody labels any more: what has labels stays.
+  const bool nobody_labels = label_set.size() <= 1 && inside_->mapper->keyframes() > 0;
+  if (label_set.classes == inside_->label_set.classes || nobody_labels) return;
   inside_->label_set = label_set;
   if (inside_->mapper->keyframes() > 0) logWarning("the classes changed: the dense map starts anew");
   clear();
@@ -94,6 +125,11 @@ void DenseStage::clear() {
   const std::vector<KeyframePose> poses = inside_->poses;
   inside_->start(inside_->map_id.value_or(0));
   inside_->poses = poses;
+}
+
+void DenseStage::save(const std::string& path) const {
+  if (inside_->mapper->keyframes() == 0) throw Error("the dense map is empty; '" + path + "' is not touched");
+  writeTextAtomically(path, serializeDenseMap(inside_->mapper->content(inside_->map_id.value_or(0))));
 }
 
 DenseMapper& DenseStage::map() { return *inside_->mapper; }

@@ -4,7 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "core/pipeline/keyframe_inputs.h"
 #include "core/pipeline/removal.h"
@@ -14,12 +17,16 @@
 namespace semantic_vslam {
 
 class DenseMapper;
+struct DenseMapContent;
 
 /// Stage 4: the labelled map without people, which follows the keyframes' poses. Knows no thread.
 class DenseStage {
  public:
+  /// What was saved of a map, by its MapSnapshot::map_id, or nothing. Asked whenever another map begins.
+  using Saved = std::function<std::optional<DenseMapContent>(std::uint32_t map_id)>;
+
   /// @throws ConfigError
-  DenseStage(const DenseConfig& config, const RemovalConfig& removal);
+  DenseStage(const DenseConfig& config, const RemovalConfig& removal, Saved saved = {});
   ~DenseStage();
   DenseStage(DenseStage&&) noexcept;
 
@@ -33,6 +40,9 @@ class DenseStage {
   /// Notices and poses may come in no order: what still comes of a map that was left is not the newest.
   bool isOfNewestMap(std::uint32_t map_id);
   void clear();
+  /// Writes all that the map is made from, whole or not at all; `saved` is to find it again.
+  /// @throws Error if it is empty: the file stays as it is  @throws FileError
+  void save(const std::string& path) const;
 
   DenseMapper& map();
   const DenseMapper& map() const;

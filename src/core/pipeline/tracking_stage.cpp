@@ -29,6 +29,7 @@ struct TrackingStage::Inside {
 
   void beginMap() {
     ++map_id;
+    origin = 0;
     has_candidate = false;
     first_wanted.reset();
   }
@@ -49,7 +50,7 @@ struct TrackingStage::Inside {
   SparseSlam slam;
   LabelSet label_set;
   StampOrder order;
-  std::uint32_t map_id;
+  std::uint32_t map_id, origin = 0;   ///< of MapSnapshot
   bool has_candidate = false;         ///< the last frame may be k1
   std::optional<Stamp> first_wanted;  ///< first frame that waited for labels since there was no map
   std::shared_ptr<const MapSnapshot> snapshot = std::make_shared<MapSnapshot>();
@@ -104,7 +105,10 @@ TrackingOutput TrackingStage::track(const TrackingInput& input, const Prepared& 
                                     const TrackingWishes& wishes) {
   const bool may_be_k1 = !inside_->lacksLabels(input);
   const SparseStep step = inside_->slam.track(*prepared.frame, options);
-  if (step.new_world) ++inside_->map_id;
+  if (step.new_world) {
+    ++inside_->map_id;
+    inside_->origin = 0;
+  }
   inside_->has_candidate = step.tracking.state == TrackingState::kInitialising;
   if (inside_->hasLabels(input) || !inside_->has_candidate) inside_->first_wanted.reset();
   if (inside_->has_candidate && !may_be_k1) {
@@ -147,6 +151,13 @@ std::shared_ptr<SavedMap> TrackingStage::readMap(const std::string& path) const 
 void TrackingStage::loadMap(SavedMap& saved) {
   inside_->slam.loadMap(std::move(saved));
   inside_->beginMap();
+  inside_->origin = inside_->slam.map().origin().map_id;
+}
+
+Map TrackingStage::copyMap() const {
+  Map map = inside_->slam.map();
+  map.setOrigin({inside_->map_id, std::nullopt});
+  return map;
 }
 
 bool TrackingStage::hasMap() const { return inside_->slam.keyframeCount() > 0; }
@@ -157,6 +168,7 @@ std::shared_ptr<const MapSnapshot> TrackingStage::snapshot() {
   if (last.map_id == inside_->map_id && last.version == slam.posesVersion()) return inside_->snapshot;
   auto now = std::make_shared<MapSnapshot>();
   now->map_id = inside_->map_id;
+  now->origin = inside_->origin;
   now->version = slam.posesVersion();
   now->poses = slam.keyframePoses();
   auto placed = now->poses.begin();  // both in the order of ids

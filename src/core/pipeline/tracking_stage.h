@@ -24,6 +24,7 @@
 
 namespace semantic_vslam {
 
+class Map;
 class SparseSlam;
 struct SavedMap;
 struct TrackedFrame;
@@ -96,6 +97,8 @@ class TrackingStage {
   /// Takes it in the place of the present one; frames find their place in it by relocalisation.
   void loadMap(SavedMap& saved);
   bool hasMap() const;
+  /// For saving: its origin is the map_id there is.
+  Map copyMap() const;
   /// The map as it stands; the same object as before where nothing has changed.
   std::shared_ptr<const MapSnapshot> snapshot();
   const SparseSlam& slam() const;

@@ -35,6 +35,7 @@ struct KeyframeNotice {
 /// The sparse map after a step or after its upkeep: one state of it, which nobody changes any more.
 struct MapSnapshot {
   std::uint32_t map_id = 0;   ///< changes when another map takes the place of the last one: older keyframes are gone
+  std::uint32_t origin = 0;   ///< map_id that a loaded map had when it was saved; 0: none was loaded
   std::uint64_t version = 0;  ///< grows with every change of the keyframes or their poses, within one map_id
   std::vector<KeyframePose> poses;   ///< of the keyframes whose place in the world is known, in the order of ids
   std::vector<KeyframeId> unplaced;  ///< keyframes of a new map that is not joined with the world yet

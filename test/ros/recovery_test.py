@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Kills the stages in turn, as a crash does: the others go on, and what was mapped is there again."""
+import os
+import signal
+import sys
+import time
+import unittest
+import xmlrpc.client
+
+import numpy
+import rosgraph
+import rospy
+from semantic_vslam.msg import KeyframePoseArray
+from sensor_msgs.msg import PointCloud2
+from slam_test import Listener, Recording, play, rendered_bag, wait_for_stages, wait_until
+from std_srvs.srv import Trigger
+
+WHOLE_AGAIN_S = 20  # 5 s on an idle machine; tests share theirs
+
+
+class RecoveryTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("recovery_test")
+        cls.nodelets = rospy.get_param("~nodelets")
+        cls.recording = Recording(rendered_bag())
+        wait_for_stages("tracking", "motion", "mapping")
+        cls.first = Listener()
+        play(cls.recording.path)
+        cls.first.wait_for_cloud(1000)
+        time.sleep(4.0)  # the last keyframe on its way into the map, and all of it to where it is kept
+        cls.keyframes = len(cls.newest("tracking/keyframe_poses", KeyframePoseArray).keyframes)
+        cls.points = cls.newest("mapping/semantic_cloud", PointCloud2).width
+
+    @staticmethod
+    def newest(topic, kind, timeout=20):
+        return rospy.wait_for_message(topic, kind, timeout)
+
+    @staticmethod
+    def pid(node):
+        uri = rosgraph.Master("/recovery_test").lookupNode("/" + node)
+        return xmlrpc.client.ServerProxy(uri).getPid("/recovery_test")[2]
+
+    def kill(self, node):
+        """@return when the node has come back under another process"""
+        before = self.pid(node)
+        os.kill(before, signal.SIGKILL)
+
+        def is_back():
+            try:
+                return self.pid(node) != before
+            except Exception:  # the master does not know it, or knows the dead one
+                return False
+        wait_until(is_back, WHOLE_AGAIN_S, f"the return of {node}")
+
+    def check_map(self):
+        def keyframes():
+            return len(self.newest("tracking/keyframe_poses", KeyframePoseArray).keyframes)
+
+        def points():
+            return self.newest("mapping/semantic_cloud", PointCloud2).width
+        wait_until(lambda: keyframes() >= 0.95 * self.keyframes, WHOLE_AGAIN_S, "the keyframes' return")
+        wait_until(lambda: points() >= 0.95 * self.points, WHOLE_AGAIN_S, "the dense map's return")
+
+    def check_poses(self):
+        """The recording once more: where the camera was then it is now, in the map that there was."""
+        again = Listener()
+        play(self.recording.path)
+        wait_until(lambda: len(again.poses) > 0.7 * len(self.recording.stamps), 30, "tracking after the restart")
+        both = sorted(again.poses.keys() & self.first.poses.keys())
+        jumps = [numpy.linalg.norm(again.poses[s][:3, 3] - self.first.poses[s][:3, 3]) for s in both]
+        self.assertLess(max(jumps), 0.05)
+
+    def test_1_mapping(self):
+        self.assertGreater(self.points, 1000)
+        if self.nodelets:
+            self.skipTest("one process")
+        self.kill("slam_mapping")
+        self.check_map()
+
+    def test_2_motion_and_segmentation_lose_nothing(self):
+        if self.nodelets:
+            self.skipTest("one process")
+        self.kill("slam_motion")
+        self.kill("slam_segmentation")
+        self.check_map()
+
+    def test_3_tracking(self):
+        self.kill("slam_manager" if self.nodelets else "slam_tracking")
+        wait_for_stages("tracking", "motion", "mapping")
+        self.check_map()
+        self.check_poses()
+        self.check_map()
+
+    def test_4_a_map_is_saved_and_loaded_as_one(self):
+        save, load = (rospy.ServiceProxy(f"/slam_tracking/{name}_map", Trigger) for name in ("save", "load"))
+        self.assertTrue(save().success)
+        wait_until(lambda: os.path.exists(os.path.join(self.folder(), "map.dense")), 10, "the dense map's file")
+        self.assertTrue(rospy.ServiceProxy("/slam_tracking/reset", Trigger)().success)
+        self.assertTrue(rospy.ServiceProxy("/slam_mapping/clear", Trigger)().success)
+        wait_until(lambda: self.newest("mapping/semantic_cloud", PointCloud2).width == 0, 20, "an empty map")
+        answer = load()
+        self.assertTrue(answer.success, answer.message)
+        self.check_map()
+
+    @staticmethod
+    def folder():
+        answer = rospy.ServiceProxy("/slam_mapping/save", Trigger)()
+        return answer.message.split(" saved in ")[-1]
+
+
+if __name__ == "__main__":
+    import rostest
+    rostest.rosrun("semantic_vslam", "recovery", RecoveryTest, sys.argv)

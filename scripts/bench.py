@@ -22,8 +22,6 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 PROGRAMS = os.path.join(ROOT, "build", "release", "devel", "lib", "semantic_vslam")
 DATA = os.path.join(os.environ.get("SEMANTIC_VSLAM_SHARED", os.path.join(ROOT, "..", "shared")), "data")
 DEFAULT_SEQUENCES = ("tum_fr1_xyz", "walk_xyz")
-# models/README.md tells where it comes from.
-PUBLIC_NETWORK = os.path.join(DATA, "models", "deeplabv3_mnv2_pascal_quant.onnx")
 PACKAGE_NETWORK = "bisenetv2_indoor.onnx"
 
 
@@ -97,8 +95,8 @@ def parse_arguments():
     parser.add_argument("sequences", nargs="*", help="TUM folders (default: %s in ../shared/data)" % ", ".join(DEFAULT_SEQUENCES))
     parser.add_argument("--camera", default=os.path.join(ROOT, "cfg", "cameras", "tum_fr1.yaml"), help="camera of the sequences")
     parser.add_argument("--runs", type=positive, help="runs of each sequence (default 5; 1 for a part, whose runs give the same)")
-    parser.add_argument("--network", default=PUBLIC_NETWORK if os.path.isfile(PUBLIC_NETWORK) else PACKAGE_NETWORK,
-                        help="semantic network of the parts about people, .onnx; '' for none (default %(default)s)")
+    parser.add_argument("--network", default=PACKAGE_NETWORK,
+                        help="semantic network, .onnx; '' for none (default %(default)s)")
     part = parser.add_mutually_exclusive_group()
     for name, function in {**bench_motion.PARTS, "loops": bench_map.loops, **bench_map.PARTS}.items():
         part.add_argument("--" + name, dest="part", action="store_const", const=name, help=function.__doc__)
@@ -150,15 +148,15 @@ def run_variations(sequences, camera, network, names, frames, out_dir):
     return results, text
 
 
-def run_table(sequences, camera, runs, out_dir):
-    results = {}
+def run_table(sequences, camera, runs, network, out_dir):
+    results, options = {}, bench_motion.settings(segmentation__model=network)
     for sequence in sequences:
         name = os.path.basename(os.path.normpath(sequence))
         for index in range(runs):
             print(f"[bench] {name}: run {index + 1} of {runs}", flush=True)
             run_dir = os.path.join(out_dir, name, str(index + 1))
             os.makedirs(run_dir, exist_ok=True)
-            results.setdefault(name, []).append(run_once(sequence, camera, run_dir))
+            results.setdefault(name, []).append(run_once(sequence, camera, run_dir, options))
     return results
 
 
@@ -172,9 +170,9 @@ def run_map_part(name, sequence, camera, seeds):
 
 
 def run_backend(sequence, camera, runs, seeds, out_dir):
-    """Everything about the map. @return numbers, text"""
+    """Everything about the map, without a network. @return numbers, text"""
     label = os.path.basename(os.path.normpath(sequence))
-    results = {label: run_table([sequence], camera, runs, out_dir)[label]}
+    results = {label: run_table([sequence], camera, runs, "", out_dir)[label]}
     text = f"{label}\n" + bench_map.figures(results[label])
     for name in (*bench_map.PARTS, "loops"):
         print(f"[bench] {name}", flush=True)
@@ -203,7 +201,7 @@ def main():
     elif arguments.part:
         results, text = run_part(arguments.part, sequences, arguments.camera, arguments.runs or 1, arguments.network, out_dir)
     else:
-        results = run_table(sequences, arguments.camera, arguments.runs or 5, out_dir)
+        results = run_table(sequences, arguments.camera, arguments.runs or 5, arguments.network, out_dir)
         text = table(results)
     name = os.path.join(out_dir, arguments.part or "bench")
     with open(name + ".txt", "w") as file:

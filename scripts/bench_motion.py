@@ -47,8 +47,9 @@ def row(runs):
 
 def ablation(run, network):
     """What each way of finding what moves gives. "both" is the default motion model with the network."""
-    variants = {"none": settings(motion__model="none"), "homography": settings(motion__model="homography"),
-                "rigid flow": settings(motion__model="rigid_flow")}
+    variants = {"none": settings(motion__model="none", segmentation__model=""),
+                "homography": settings(motion__model="homography", segmentation__model=""),
+                "rigid flow": settings(motion__model="rigid_flow", segmentation__model="")}
     if network:
         variants["semantics"] = settings(motion__model="none", segmentation__model=network)
         variants["both"] = settings(motion__model="rigid_flow", segmentation__model=network)

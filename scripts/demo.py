@@ -360,6 +360,8 @@ def launch_slam(options, recording, processes, display):
     for name, value in (("camera_file", options.camera), ("model", options.model), ("config", options.config)):
         if value:
             slam.append(f"{name}:={os.path.abspath(value)}")
+    if options.model == "":
+        slam.append("model:=")
     processes.start("slam", slam, DISPLAY=display, QT_X11_NO_MITSHM="1", LIBGL_ALWAYS_SOFTWARE="1")
 
 
@@ -497,7 +499,7 @@ def main():
     source.add_argument("--sequence", metavar="DIR", help="TUM RGB-D folder to play")
     source.add_argument("--bag", metavar="FILE", help="bag with the topics of the TUM benchmark's")
     parser.add_argument("--camera", metavar="FILE", help="cfg/cameras/*.yaml in place of the recording's calibration")
-    parser.add_argument("--model", metavar="FILE", default=os.path.join(ROOT, "models", "bisenetv2_indoor.onnx"),
+    parser.add_argument("--model", metavar="FILE",
                         help="semantic network (.onnx), the package's own otherwise; '': motion alone")
     parser.add_argument("--config", metavar="FILE", default="", help="YAML with keys of any stage")
     parser.add_argument("--nodes", action="store_true", help="one process for each stage in place of nodelets")

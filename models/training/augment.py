@@ -6,7 +6,6 @@ How much is a matter of measurement: a network this small learns less from sampl
 import cv2
 import numpy as np
 
-import hints as hint
 from classes import IGNORE, NAMES, PERSON
 
 PASTED = tuple(NAMES.index(name) for name in
@@ -16,7 +15,7 @@ PERSON_ODDS = 0.6        # of a paste; the other classes share the rest
 MIN_CUTOUT_PX = 400      # smaller ones show too little of the object
 MIN_CUTOUT_SHARE = 0.35  # of its box: scattered pieces are no object
 MAX_CUTOUTS = 400        # a source and class; enough to vary, and bounded in memory
-NEAR = 0.5               # of the people pasted: so near that the image shows a part of the body
+NEAR = 0.6               # of the people pasted: so near that the image shows a part of the body
 BEHIND = 0.6             # of what is pasted where depth is known: behind what is nearer than some distance
 MAX_ENLARGED = 6.0       # times, of a cutout: smooth then, as what moves close before a camera
 SMOOTH = 0.5             # of the near people: out of focus or moving, blurred by up to MAX_SMOOTH of the sample's width
@@ -24,12 +23,12 @@ MAX_SMOOTH = 0.006
 
 
 def crop(image, label, size, rng):
-    """A random part, 60 % to 120 % of the image, its aspect ratio changed by up to 20 %, perhaps mirrored.
+    """A random part, 40 % to 120 % of the image, its aspect ratio changed by up to 20 %, perhaps mirrored.
 
     @return image and label of `size` (width, height), and the 2x3 transformation from px of the image to px of the part"""
     width, height = size
     h, w = label.shape
-    scale = np.exp(rng.uniform(np.log(0.6), np.log(1.2))) * min(w / width, h / height)
+    scale = np.exp(rng.uniform(np.log(0.4), np.log(1.2))) * min(w / width, h / height)
     aspect = np.exp(rng.uniform(-0.2, 0.2))
     part_w, part_h = width * scale * aspect, height * scale / aspect
     x = rng.uniform(min(0, w - part_w), max(0, w - part_w))
@@ -94,7 +93,7 @@ class Cutouts:
         self.by_class = {c: cutouts for c, cutouts in self.by_class.items() if cutouts}
 
     def _collect(self, labelled, room):
-        image, label, hints, _ = labelled
+        image, label, _ = labelled
         for c in PASTED:
             if not room[c] or not (label == c).any():
                 continue
@@ -104,31 +103,31 @@ class Cutouts:
                 if room[c] and area >= MIN_CUTOUT_PX and area >= MIN_CUTOUT_SHARE * w * h:
                     inside = (slice(y, y + h), slice(x, x + w))
                     mask = (parts[inside] == k).astype(np.uint8)
-                    self.by_class[c].append(Cutout(c, image[inside].copy(), mask, (x, y), label.shape, hints))
+                    self.by_class[c].append(Cutout(c, image[inside].copy(), mask))
                     room[c] -= 1
 
-    def paste(self, image, label, hints, depth, rng):
+    def paste(self, image, label, depth, rng):
         """Puts one to three cutouts in. People at any size, up to a body so near that the image shows only a part; where there
-        is a depth image, behind what is nearer: people walk behind desks and screens too. @return image, label, hints"""
+        is a depth image, behind what is nearer: people walk behind desks and screens too. @return image, label"""
         if not self.by_class:
-            return image, label, hints
+            return image, label
         depth = None if depth is None else depth.copy()
         for _ in range(rng.integers(1, 4)):
             others = [c for c in self.by_class if c != PERSON]
             person = PERSON in self.by_class and (not others or rng.random() < PERSON_ODDS)
             c = PERSON if person else others[rng.integers(len(others))]
             cutout = self.by_class[c][rng.integers(len(self.by_class[c]))]
-            image, label, hints = cutout.paste(image, label, hints, depth, rng)
-        return image, label, hints
+            image, label = cutout.paste(image, label, depth, rng)
+        return image, label
 
 
 class Cutout:
-    def __init__(self, label, patch, mask, corner, shape, hints):
-        """@param corner  (x, y) of the patch in the image it is from  @param shape, hints  of that image"""
-        self.label, self.patch, self.mask, self.corner, self.shape, self.hints = label, patch, mask, corner, shape, hints
+    def __init__(self, label, patch, mask):
+        """@param patch  rows x columns x 3, RGB  @param mask  rows x columns uint8, 1 where it shows the object"""
+        self.label, self.patch, self.mask = label, patch, mask
 
-    def paste(self, image, label, hints, depth, rng):
-        """@param depth  HxW uint16, 0 where unknown, which gets the cutout's; or None  @return image, label, hints"""
+    def paste(self, image, label, depth, rng):
+        """@param depth  HxW uint16, 0 where unknown, which gets the cutout's; or None  @return image, label"""
         size = (label.shape[1], label.shape[0])
         warp, near = self._transformation(size, rng)
         alpha = cv2.warpAffine(self.mask.astype(np.float32), warp, size)
@@ -140,7 +139,7 @@ class Cutout:
         soft = cv2.GaussianBlur(alpha, (0, 0), rng.uniform(0.5, 1.2))[..., None]
         image = np.clip(image + (patch - image) * soft, 0, 255).astype(np.uint8)
         label = np.where(alpha > 0.5, np.uint8(self.label), label)
-        return image, label, self._pasted_hints(hints, alpha, warp, size)
+        return image, label
 
     def _transformation(self, size, rng):
         """@return 2x3, px of the patch -> px of the sample; whether it is a person so near that a part is seen"""
@@ -161,12 +160,6 @@ class Cutout:
         if rng.random() < 0.5:
             warp = warp @ np.array([[-1, 0, columns - 1], [0, 1, 0], [0, 0, 1.0]])
         return warp, near
-
-    def _pasted_hints(self, hints, alpha, warp, size):
-        to_patch = np.array([[1, 0, -self.corner[0]], [0, 1, -self.corner[1]], [0, 0, 1.0]])
-        own = hint.of_sample(self.hints, self.shape, warp @ to_patch, size)
-        covered = cv2.resize(alpha, (hints.shape[1], hints.shape[0]), interpolation=cv2.INTER_AREA) > 0.5
-        return np.where(covered[..., None], own, hints)
 
 
 def _hide(alpha, depth, rng):

@@ -10,11 +10,12 @@ from classes import PERSON
 
 DETAIL_CHANNELS = (64, 64, 64, 64, 64, 128, 128, 128)  # of the detail branch's convolutions, S1-S3, table 1
 DETAIL_STRIDES = (2, 1, 2, 1, 1, 2, 1, 1)
-SEMANTIC_CHANNELS = (16, 32, 64, 128)   # stem, S3, S4, S5 of the semantic branch, table 1
-EXPANSION = 6                           # of gather-and-expansion
-AUX_HEAD_CHANNELS = 128
+# Of the semantic branch, MobileNetV2's table 2: expansion, channels, blocks, stride of the first, dilation of the others
+BLOCKS = ((1, 16, 1, 1, 1), (6, 24, 2, 2, 1), (6, 32, 3, 2, 1), (6, 64, 4, 2, 1), (6, 96, 3, 1, 1), (6, 160, 3, 1, 2), (6, 320, 1, 1, 2))
+STEM_CHANNELS = 32
+FEATURE_CHANNELS = BLOCKS[-1][1]
+CONTEXT_CHANNELS = 256
 EDGE_CELLS = 1                          # of TwoScales
-TRAINING_HEADS = ('boosters.', 'hints.')
 
 
 class Conv(nn.Conv2d):
@@ -46,72 +47,59 @@ class DetailBranch(nn.Sequential):
         super().__init__(*[conv_bn(i, o, stride=stride) for i, o, stride in zip(inputs, channels, DETAIL_STRIDES)])
 
 
-class Stem(nn.Module):
-    """Two ways to shrink, by convolution and by pooling, fused; figure 4 (a). Output at 1/4."""
+class InvertedResidual(nn.Module):
+    """Expands, filters each channel, projects (Sandler et al., "MobileNetV2", CVPR 2018, figure 4)."""
 
-    def __init__(self, channels):
+    def __init__(self, inputs, outputs, expansion, stride, dilation):
         super().__init__()
-        self.first = conv_bn(3, channels, stride=2)
-        self.convolved = nn.Sequential(conv_bn(channels, channels // 2, 1), conv_bn(channels // 2, channels, stride=2))
-        self.pooled = nn.MaxPool2d(3, stride=2, padding=1)
-        self.fuse = conv_bn(2 * channels, channels)
-
-    def forward(self, image):
-        x = self.first(image)
-        return self.fuse(torch.cat((self.convolved(x), self.pooled(x)), dim=1))
-
-
-class GatherExpansion(nn.Module):
-    """Gather-and-expansion layer, figure 5 (b) at stride 1 and (c) at stride 2."""
-
-    def __init__(self, inputs, outputs, stride=1):
-        super().__init__()
-        wide = EXPANSION * inputs
-        expand = [depthwise(inputs, wide, stride)]
-        if stride == 2:
-            expand.append(depthwise(wide, wide))
-        else:
-            expand.append(nn.ReLU(inplace=True))
-        self.body = nn.Sequential(conv_bn(inputs, inputs), *expand, conv_bn(wide, outputs, 1, relu=False))
-        self.shortcut = nn.Identity() if stride == 1 else nn.Sequential(
-            depthwise(inputs, inputs, stride), conv_bn(inputs, outputs, 1, relu=False))
+        wide = expansion * inputs
+        expand = [Conv(inputs, wide, 1), nn.ReLU6(inplace=True)] if expansion > 1 else []
+        self.body = nn.Sequential(*expand, Conv(wide, wide, 3, stride, dilation, dilation, groups=wide), nn.ReLU6(inplace=True),
+                                  Conv(wide, outputs, 1))
+        self.residual = stride == 1 and inputs == outputs
 
     def forward(self, x):
-        return F.relu(self.body(x) + self.shortcut(x))
+        return x + self.body(x) if self.residual else self.body(x)
+
+
+def mobilenet_v2():
+    """Sandler et al., of width 1, its last stages dilated instead of shrunk: 320 channels at 1/16. Normalisations are part of the
+    convolutions, as in the ready network that its weights come from (ready_network.py)."""
+    layers, inputs = [Conv(3, STEM_CHANNELS, 3, 2, 1), nn.ReLU6(inplace=True)], STEM_CHANNELS
+    for expansion, outputs, count, stride, dilation in BLOCKS:
+        for k in range(count):
+            narrows = outputs == 160 and k == 0  # where the stride was, filters reach as far as before
+            layers.append(InvertedResidual(inputs, outputs, expansion, 1 if k else stride, 1 if narrows else dilation))
+            inputs = outputs
+    return nn.Sequential(*layers)
 
 
 class ContextEmbedding(nn.Module):
-    """Adds the image's mean feature to every place, figure 4 (b)."""
+    """Adds the image's mean feature to every place, figure 4 (b), as DeepLab v3 does (Chen et al., 2017): both are projected first."""
 
-    def __init__(self, channels):
+    def __init__(self, inputs, channels):
         super().__init__()
-        self.norm = nn.BatchNorm2d(channels)
-        self.project = conv_bn(channels, channels, 1)
-        self.fuse = conv_bn(channels, channels)
+        self.local = nn.Sequential(Conv(inputs, channels, 1), nn.ReLU(inplace=True))
+        self.mean = nn.Sequential(Conv(inputs, channels, 1), nn.ReLU(inplace=True))
+        self.of_local = Conv(channels, channels, 1)
+        self.of_mean = Conv(channels, channels, 1, bias=False)
 
     def forward(self, x):
-        context = self.project(self.norm(x.mean(dim=(2, 3), keepdim=True)))
-        return self.fuse(x + context)
+        mean = self.mean(x.mean(dim=(2, 3), keepdim=True))
+        return F.relu(self.of_local(self.local(x)) + self.of_mean(mean))
 
 
 class SemanticBranch(nn.Module):
-    """Narrow and deep: context at 1/32. @return its four stages, for the booster heads."""
+    """Narrow and deep. @return features and context at 1/16: 320 and 256 channels"""
 
     def __init__(self):
         super().__init__()
-        stem, c3, c4, c5 = SEMANTIC_CHANNELS
-        self.stem = Stem(stem)
-        self.stage3 = nn.Sequential(GatherExpansion(stem, c3, 2), GatherExpansion(c3, c3))
-        self.stage4 = nn.Sequential(GatherExpansion(c3, c4, 2), GatherExpansion(c4, c4))
-        self.stage5 = nn.Sequential(GatherExpansion(c4, c5, 2), *[GatherExpansion(c5, c5) for _ in range(3)])
-        self.context = ContextEmbedding(c5)
+        self.features = mobilenet_v2()
+        self.context = ContextEmbedding(FEATURE_CHANNELS, CONTEXT_CHANNELS)
 
     def forward(self, image):
-        s2 = self.stem(image)
-        s3 = self.stage3(s2)
-        s4 = self.stage4(s3)
-        s5 = self.stage5(s4)
-        return s2, s3, s4, s5, self.context(s5)
+        features = self.features(image)
+        return features, self.context(features)
 
 
 class GuidedAggregation(nn.Module):
@@ -123,15 +111,15 @@ class GuidedAggregation(nn.Module):
         def separable():
             return nn.Sequential(depthwise(channels, channels), nn.Conv2d(channels, channels, 1, bias=False))
 
+        self.semantic = conv_bn(CONTEXT_CHANNELS + FEATURE_CHANNELS, channels, 1)
         self.detail_keep = separable()
-        self.detail_down = nn.Sequential(conv_bn(channels, channels, stride=2, relu=False),
-                                         nn.AvgPool2d(3, stride=2, padding=1))
+        self.detail_down = conv_bn(channels, channels, stride=2, relu=False)  # the semantic branch ends at 1/16, not 1/32
         self.semantic_up = conv_bn(channels, channels, relu=False)
         self.semantic_keep = separable()
         self.fuse = conv_bn(channels, outputs, relu=False)
 
-    def forward(self, detail, semantic):
-        size = detail.shape[2:]
+    def forward(self, detail, context, features):
+        size, semantic = detail.shape[2:], self.semantic(torch.cat((context, features), dim=1))
         gate = torch.sigmoid(resize(self.semantic_up(semantic), size))
         fine = self.detail_keep(detail) * gate
         coarse = self.detail_down(detail) * torch.sigmoid(self.semantic_keep(semantic))
@@ -151,42 +139,30 @@ def resize(x, size):
 
 class BiSeNetV2(nn.Module):
     """@param classes        logits per pixel
-    @param head_channels  hidden width of the last head: 1024 as published; it is a third of all weights and a quarter of
-                          the time, so that a network for few classes does with less
-    @param boosters       the four heads on the semantic branch that training needs (figure 2); not counted at inference
-    @param hints          numbers that two more heads predict while training, from the aggregated features and from the
-                          context (hints.py); not part of the paper, not counted at inference
+    @param head_channels  hidden width of the last head, 1024 as published
     @param detail         channels of the detail branch's convolutions, the last as published; narrow.py takes some away
     @param aggregated     channels that the last head reads; likewise
 
-    In:  N x 3 x H x W, normalised, H and W multiples of 32.
-    Out: logits N x classes x H/8 x W/8; in training mode with boosters (logits, [four more at 1/4, 1/8, 1/16, 1/32],
-         [N x hints at 1/8 and at 1/32]).
+    In:  N x 3 x H x W, normalised, H and W multiples of 16.
+    Out: logits N x classes x H/8 x W/8, the sum of the last head's and of the context's own, which are coarser and which the head
+         corrects.
     """
 
-    def __init__(self, classes, head_channels=1024, boosters=True, hints=0, detail=DETAIL_CHANNELS,
-                 aggregated=DETAIL_CHANNELS[-1]):
+    def __init__(self, classes, head_channels=1024, detail=DETAIL_CHANNELS, aggregated=DETAIL_CHANNELS[-1]):
         super().__init__()
         self.detail = DetailBranch(detail)
         self.semantic = SemanticBranch()
         self.aggregate = GuidedAggregation(DETAIL_CHANNELS[-1], aggregated)
         self.head = Head(aggregated, head_channels, classes)
-        self.boosters = nn.ModuleList(
-            [Head(channels, AUX_HEAD_CHANNELS, classes) for channels in SEMANTIC_CHANNELS] if boosters else [])
-        self.hints = nn.ModuleList(
-            [nn.Conv2d(channels, hints, 1) for channels in (aggregated, SEMANTIC_CHANNELS[-1])] if hints else [])
+        self.coarse = Conv(CONTEXT_CHANNELS, classes, 1)
         self.apply(_initialise)
-        for head in (self.head, *self.boosters):
-            nn.init.normal_(head[-1].weight, std=0.01)  # all classes start about even
+        for last in (self.head[-1], self.coarse):
+            nn.init.normal_(last.weight, std=0.01)  # all classes start about even
 
     def forward(self, image):
-        *stages, context = self.semantic(image)
-        aggregated = self.aggregate(self.detail(image), context)
-        logits = self.head(aggregated)
-        if self.training and len(self.boosters):
-            return (logits, [head(stage) for head, stage in zip(self.boosters, stages)],
-                    [head(features) for head, features in zip(self.hints, (aggregated, context))])
-        return logits
+        detail, (features, context) = self.detail(image), self.semantic(image)
+        logits = self.head(self.aggregate(detail, context, features))
+        return logits + resize(self.coarse(context), logits.shape[2:])
 
 
 class TwoScales(BiSeNetV2):
@@ -220,8 +196,3 @@ def _initialise(module):
         nn.init.kaiming_normal_(module.weight, mode='fan_out', nonlinearity='relu')
         if module.bias is not None:
             nn.init.zeros_(module.bias)
-
-
-def inference_parameters(model):
-    """Weights that remain in the exported network: all but the heads that only training has."""
-    return sum(p.numel() for name, p in model.named_parameters() if not name.startswith(TRAINING_HEADS))

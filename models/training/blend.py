@@ -10,14 +10,13 @@ AFTER is of train.py --from BEFORE; weights of unrelated trainings are worse tog
 """
 import argparse
 
-from bisenetv2 import TRAINING_HEADS
 from network_file import load_checkpoint, read_weights, save_checkpoint
 
 
 def blend(before, after, share):
     """@param before, after  {name: tensor} of networks of the same widths  @param share  of the latter, 0 to 1
-    @return the same without the heads that only training has. Ends the program if they do not fit."""
-    blended = {name: weights for name, weights in after.items() if not name.startswith(TRAINING_HEADS)}
+    @return the same. Ends the program if they do not fit."""
+    blended = dict(after)
     for name, weights in blended.items():
         if weights.dtype.is_floating_point:
             if name not in before or before[name].shape != weights.shape:

@@ -12,7 +12,6 @@ import numpy as np
 import torch
 
 import augment
-import hints as hint
 from classes import PERSON, label_of_coco
 
 IMAGE_FOLDERS = ('rgb', 'images')
@@ -24,7 +23,6 @@ class LabelledImage(typing.NamedTuple):
     """Not to be written to: a folder keeps it."""
     image: np.ndarray           # HxWx3 uint8, RGB
     label: np.ndarray           # HxW uint8
-    hints: typing.Optional[np.ndarray]  # hints.py
     depth: typing.Optional[np.ndarray]  # HxW uint16, of any unit; 0: unknown
 
 
@@ -32,8 +30,8 @@ class LabelledFolder:
     """Images and label images of the same stem.
 
     DIR/rgb or DIR/images, and DIR/labels (8-bit PNG, our class ids, 255 = ignore) or DIR/masks with DIR/config.yaml
-    (COCO panoptic ids and their names). make_synthetic_bag --tum and label_images write the first form. Hints, where
-    DIR/hints has them (hints.py), and depth, where DIR/depth has a 16-bit PNG of the same stem.
+    (COCO panoptic ids and their names). make_synthetic_bag --tum and label_images write the first form. And depth, where
+    DIR/depth has a 16-bit PNG of the same stem.
     """
 
     def __init__(self, folder):
@@ -85,8 +83,7 @@ class LabelledFolder:
         if self.table is not None:
             label = self.table[label]
         stem = os.path.splitext(os.path.basename(path))[0]
-        return LabelledImage(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), label, hint.load(self.folder, stem),
-                             self._depth(stem, label.shape))
+        return LabelledImage(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), label, self._depth(stem, label.shape))
 
     def _depth(self, stem, shape):
         path = os.path.join(self.folder, 'depth', stem + '.png')
@@ -138,15 +135,14 @@ class AugmentedSamples(torch.utils.data.Dataset):
         source = self.sources[rng.choice(len(self.sources), p=self.odds)]
         whole = source.load(rng.integers(len(source)))
         image, label, to_sample = augment.crop(whole.image, whole.label, size, rng)
-        hints = hint.of_sample(whole.hints, whole.label.shape, to_sample, size)
         if rng.random() < (self.paste if (label == PERSON).any() else 2 * self.paste):
             depth = whole.depth
             if depth is not None:
                 depth = cv2.warpAffine(depth, to_sample, size, flags=cv2.INTER_NEAREST)
-            image, label, hints = self.cutouts.paste(image, label, hints, depth, rng)
+            image, label = self.cutouts.paste(image, label, depth, rng)
         if rng.random() < augment.PHOTOMETRIC:
             image = augment.photometric(image, rng)
-        return planar(image), torch.from_numpy(label), planar(hints)
+        return planar(image), torch.from_numpy(label)
 
 
 def planar(image):

@@ -32,7 +32,7 @@ def export(model, path, size):
         warnings.simplefilter('ignore')  # PyTorch warns that sizes become constants, which is what we want
         torch.onnx.export(model, torch.zeros(1, 3, size[1], size[0]), path, input_names=['image'],
                           output_names=['logits'], opset_version=13, **options)
-    write_sidecar(os.path.splitext(path)[0] + '.yaml', size, 'BiSeNet V2, indoor classes')
+    write_sidecar(os.path.splitext(path)[0] + '.yaml', size, 'BiSeNet V2 on MobileNetV2, indoor classes')
 
 
 def store_small(path):

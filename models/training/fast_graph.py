@@ -3,11 +3,9 @@
 """Rewrites an exported network into one that computes the same and is faster once quantised (quantize.py)."""
 import numpy as np
 
-from bisenetv2 import SEMANTIC_CHANNELS
 from network_file import weights_of_small
 
 REGROUPING = 'Transpose', 'Reshape'
-STEM = SEMANTIC_CHANNELS[0]
 
 
 def grey(mean):
@@ -36,9 +34,7 @@ def prepare(network, out, mean, std):
     quant_pre_process(model, out)
     model = onnx.load(out)
     _give_each_its_own(model.graph)
-    _split_expansions(model.graph)
     _take_bytes(model.graph, np.array(mean), np.array(std))
-    _gather_more(model.graph)
     _drop_unused(model.graph)
     _share_equal(model.graph)
     onnx.checker.check_model(model)
@@ -82,35 +78,6 @@ def _share_equal(graph):
     graph.initializer.extend(kept)
 
 
-def _split_expansions(graph):
-    from onnx import helper, numpy_helper
-    weights = {w.name: w for w in graph.initializer}
-
-    def group(node):
-        return next(a for a in node.attribute if a.name == 'group')
-
-    def reorder(names, order, axis):
-        for name in names:
-            values = np.take(numpy_helper.to_array(weights[name]), order, axis)
-            weights[name].CopyFrom(numpy_helper.from_array(values, name))
-
-    for node in [n for n in graph.node if n.op_type == 'Conv']:
-        inputs, outputs = group(node).i, weights[node.input[1]].dims[0]
-        if inputs in (1, outputs):
-            continue
-        order = np.arange(outputs).reshape(inputs, -1).T.ravel()  # all first outputs, then all second ones
-        reorder(node.input[1:], order, 0)
-        group(node).i = outputs
-        copies = helper.make_node('Concat', [node.input[0]] * (outputs // inputs), [node.name + '_copies'], axis=1)
-        graph.node.insert(list(graph.node).index(node), copies)
-        node.input[0] = copies.output[0]
-        while node.op_type != 'Conv' or group(node).i > 1:  # to the one that sums over the channels
-            node, = (n for n in graph.node if node.output[0] in n.input)
-            if node.op_type == 'Conv':
-                sums = group(node).i == 1
-                reorder(node.input[1:2] if sums else node.input[1:], order, 1 if sums else 0)
-
-
 def _take_bytes(graph, mean, std):
     """Normalisation becomes part of the convolutions that read the image, or its average over 2x2 of a network for two scales. What
     they pad the image with is grey then, with export.py's a sixth of a standard deviation off the mean at most."""
@@ -143,13 +110,6 @@ def _take_bytes(graph, mean, std):
         pool.attribute.extend(helper.make_node('Conv', [], [], kernel_shape=[2, 2], strides=[2, 2], pads=[0] * 4, group=1).attribute)
         _in_blocks(graph, pool, 16)
     for node in convolutions:
-        _in_blocks(graph, node, 4)
-
-
-def _gather_more(graph):
-    """The stem's convolution of single pixels has too few channels too."""
-    sizes = {w.name: tuple(w.dims) for w in graph.initializer}
-    for node in [n for n in graph.node if n.op_type == 'Conv' and sizes[n.input[1]] == (STEM // 2, STEM, 1, 1)]:
         _in_blocks(graph, node, 4)
 
 
@@ -192,7 +152,7 @@ def _in_blocks(graph, node, pixels):
         graph.node.insert(place + k, added)
     node.input[0] = node.name + '_blocks'
     users = [user for user in graph.node if node.output[0] in user.input]
-    last = users[0] if users[0].op_type == 'Relu' else node  # which becomes part of the convolution
+    last = users[0] if users[0].op_type in ('Relu', 'Clip') else node  # which becomes part of the convolution
     result = last.output[0]
     last.output[0] = node.name + '_of_blocks'
     if last is not node:

@@ -6,11 +6,12 @@ import os
 import numpy as np
 import torch
 
-from bisenetv2 import DETAIL_CHANNELS, TRAINING_HEADS, BiSeNetV2, TwoScales
+from bisenetv2 import DETAIL_CHANNELS, BiSeNetV2, TwoScales
 from classes import CLASSES, NAMES
+from ready_network import is_ready_network, weights_of_ready_network
 
-MEAN = (0.485, 0.456, 0.406)  # red, green, blue of photographs in [0, 1]; any fixed choice does, it goes to the sidecar
-STD = (0.229, 0.224, 0.225)
+MEAN = (0.5, 0.5, 0.5)  # red, green, blue in [0, 1], of the network that training begins with (ready_network.py)
+STD = (0.5, 0.5, 0.5)
 STRIDE = 8
 
 
@@ -51,8 +52,8 @@ def widths(weights, path):
 
 def network_of(weights, path, two_scales=False):
     """@return a network of the widths of the weights, which `path` holds, ready to infer"""
-    model = (TwoScales if two_scales else BiSeNetV2)(len(NAMES), boosters=False, **widths(weights, path))
-    model.load_state_dict({k: v for k, v in weights.items() if not k.startswith(TRAINING_HEADS)})
+    model = (TwoScales if two_scales else BiSeNetV2)(len(NAMES), **widths(weights, path))
+    load_weights(model, weights, path)
     return model.eval()
 
 
@@ -105,8 +106,8 @@ def weights_of_small(graph):
 
 
 def read_weights(path):
-    """@return {name: tensor} of a checkpoint's averaged network or of a network that export.py wrote. Ends the program if the file
-    is none of these."""
+    """@return {name: tensor} of a checkpoint's averaged network, of a network that export.py wrote, or, of the semantic branch alone,
+    of the public one (ready_network.py). Ends the program if the file is none of these."""
     if path.endswith('.onnx'):
         try:
             import onnx
@@ -119,6 +120,8 @@ def read_weights(path):
             raise SystemExit(f"network '{path}' cannot be read: {error.strerror}") from None
         except Exception as error:  # protobuf's own, of a class that differs between its versions
             raise SystemExit(f"'{path}' is no ONNX file: {error}") from None
+        if is_ready_network(graph):
+            return weights_of_ready_network(graph, path)
         found = {w.name: torch.tensor(numpy_helper.to_array(w)).float() for w in graph.initializer}
         found.update((name, torch.tensor(values)) for name, values in weights_of_small(graph).items())
         for node in graph.node:
@@ -130,12 +133,12 @@ def read_weights(path):
 
 
 def load_weights(model, found, path):
-    """Gives a model to train the weights that read_weights found in a file. What they lack, the heads that only training has, stays
-    as it is. Ends the program if they do not fit."""
+    """Gives a model the weights that read_weights found in a file. Ends the program if they do not
+    fit."""
     wanted = model.state_dict()
     fitting = {name: found[name] for name, w in wanted.items() if name in found and found[name].shape == w.shape}
     lacking = [name for name, w in wanted.items()
-               if w.dtype.is_floating_point and not name.startswith(TRAINING_HEADS) and name not in fitting]
+               if w.dtype.is_floating_point and name not in fitting]
     if lacking:
         raise SystemExit(f"'{path}' is not this network: {len(lacking)} of its weights are missing or of another shape, "
                          f'{lacking[0]} for one')
@@ -147,7 +150,7 @@ def write_sidecar(path, size, title):
         return '[' + ', '.join(str(v) for v in values) + ']'
 
     lines = ['# Written by models/training/export.py; models/README.md describes the form.',
-             f'name: {title}', 'license: BSD-3-Clause', 'input:', f'  width: {size[0]}', f'  height: {size[1]}',
+             f'name: {title}', 'license: BSD-3-Clause AND Apache-2.0', 'input:', f'  width: {size[0]}', f'  height: {size[1]}',
              '  layout: nchw', '  type: float32', '  channels: rgb', '  resize: stretch', f'  scale: {1 / 255}',
              f'  mean: {numbers(MEAN)}', f'  std: {numbers(STD)}', 'output:', '  name: logits', '  kind: logits',
              '  layout: nchw', f'  stride: {STRIDE}', f"classes: [{', '.join(NAMES)}]", 'labels:']

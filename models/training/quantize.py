@@ -64,14 +64,17 @@ def read_input(sidecar):
     return size, mean, std
 
 
-def after_convolutions(graph):
-    """@return names of the nodes that only work on the logits, in which two scales are joined"""
+def of_logits(graph):
+    """@return names of the convolutions that give the logits and of the nodes after them, in which logits are joined: little work,
+    and rounding them moves the borders of what is found"""
     lead_on, names = set(), []
     for node in reversed(graph.node):
-        if node.op_type == 'Conv' or lead_on.intersection(node.output):
+        if lead_on.intersection(node.output):
             lead_on.update(node.input)
         else:
             names.append(node.name)
+            if node.op_type == 'Conv':
+                lead_on.update(node.input)
     return names
 
 
@@ -118,13 +121,12 @@ def main(argv=None):
     prepared = args.out + '.float'
     prepare(args.network, prepared, mean, std)
     graph = onnx.load(prepared).graph
-    in_float = [node.name for node in graph.node if node.op_type == 'BatchNormalization'] + after_convolutions(graph)  # little work
     ranges = activation_ranges(prepared, Images(paths, size, grey(mean)))
     ranges.update(dict.fromkeys(pixels(graph), (-grey(mean), 255 - grey(mean))))
     overrides = {name: [{'rmin': np.float32(low), 'rmax': np.float32(high)}] for name, (low, high) in ranges.items()}
     quantize_static(prepared, args.out, Images(paths[:1], size, grey(mean)), quant_format=QuantFormat.QDQ, per_channel=True,
                     reduce_range=True, activation_type=QuantType.QUInt8, weight_type=QuantType.QInt8,
-                    nodes_to_exclude=in_float, extra_options={'TensorQuantOverrides': overrides})
+                    nodes_to_exclude=of_logits(graph), extra_options={'TensorQuantOverrides': overrides})
     os.remove(prepared)
     _feed_bytes(args.out)
     _write_sidecar_of_bytes(sidecar, os.path.splitext(args.out)[0] + '.yaml')

@@ -24,7 +24,6 @@ import torch
 import torch.distributed as distributed
 import torch.nn.functional as F
 
-import hints as hint
 import scores
 from bisenetv2 import BiSeNetV2, resize
 from classes import IGNORE, NAMES
@@ -34,11 +33,12 @@ from progress import Bar, plot_curve
 
 LOG_FIELDS = ('step', 'loss', 'mean_iou', 'person_iou')
 LOSS_STRIDE = 2      # px of the label image per pixel of the loss: at full size it costs as much as the network
-BOOSTER_STRIDE = 4
-HINT_WEIGHT = 1.0
+TRANSFERRED = 'semantic.', 'coarse.'  # what the public network brings
+CONTEXT_RATE = 0.03  # of the rate, for what else comes with features that stay as they are
 SMALL = ('keyboard', 'mouse', 'bottle', 'cup')
 CLASS_WEIGHTS = [1.0 if name in ('background', 'person') else 2.0 if name in SMALL else 1.5 for name in NAMES]  # the rarer, the more
 SHARE_EVERY = 5      # steps between averages of the processes' weights
+SAVE_EVERY = 100     # steps
 SCORED_IMAGES = 40   # of a folder's held-back fold while training; evaluate.py takes all
 
 
@@ -47,8 +47,8 @@ def parse_size(text):
         width, height = (int(side) for side in text.split('x'))
     except ValueError:
         raise argparse.ArgumentTypeError(f"'{text}' must be WIDTHxHEIGHT") from None
-    if width < 64 or height < 64 or width % 32 or height % 32:
-        raise argparse.ArgumentTypeError(f"'{text}': both sides must be multiples of 32, 64 or more")
+    if width < 64 or height < 64 or width % 16 or height % 16:
+        raise argparse.ArgumentTypeError(f"'{text}': both sides must be multiples of 16, 64 or more")
     return width, height
 
 
@@ -66,13 +66,16 @@ def arguments(argv=None):
     parser.add_argument('--data', type=parse_source, nargs='+', required=True, help='labelled folders, with :WEIGHT')
     parser.add_argument('--out', required=True)
     parser.add_argument('--from', dest='start', metavar='FILE',
-                        help='begin a new training with the weights of this checkpoint, or network of export.py')
+                        help='begin a new training with the weights of this checkpoint, network of export.py, or public network '
+                             '(ready_network.py), which brings the semantic branch alone')
     parser.add_argument('--size', type=parse_size, nargs='+', default=[(256, 192)], metavar='WIDTHxHEIGHT',
                         help='of samples, px; several take turns, step by step, and the first is that of the scores')
     parser.add_argument('--steps', type=int, default=20000)
     parser.add_argument('--minutes', type=float, help='length of the training, instead of --steps')
     parser.add_argument('--batch', type=int, default=8)
     parser.add_argument('--rate', type=float, default=2e-3, help='peak learning rate of AdamW')
+    parser.add_argument('--train-features', action='store_true',
+                        help="have the semantic branch's features learn too; without --from they do anyway")
     parser.add_argument('--head', type=int, help='hidden channels of the last head; those of --from, or 1024 as published, otherwise')
     parser.add_argument('--paste', type=float, default=0.33,
                         help='share of samples that cutouts are pasted into; twice as many of those that show nobody')
@@ -126,21 +129,6 @@ def hard_pixel_loss(logits, label, stride=1):
     return hard.mean() if hard.numel() else hardest.mean()
 
 
-def hint_loss(predicted, hints):
-    """Mean squared difference where there are hints; 0 where a batch has none."""
-    hints = F.interpolate(hints, size=predicted.shape[2:], mode='area')  # NaN if a part of the area is
-    known = hints.isfinite()
-    difference = (predicted.float() - torch.nan_to_num(hints)) * known
-    return difference.square().sum() / known.sum().clamp(min=1)
-
-
-def total_loss(model, images, labels, hints):
-    logits, boosters, hinted = model(normalise(images))
-    loss = hard_pixel_loss(logits, labels, LOSS_STRIDE)
-    loss = sum((hard_pixel_loss(b, labels, BOOSTER_STRIDE) for b in boosters), loss)
-    return sum((HINT_WEIGHT * hint_loss(h, hints) for h in hinted), loss)
-
-
 def learning_rate(progress, peak):
     """Linear warm-up over the first twentieth, then half a cosine to 0. @param progress  0 to 1"""
     if progress < 0.05:
@@ -148,12 +136,18 @@ def learning_rate(progress, peak):
     return peak * 0.5 * (1 + math.cos(math.pi * min(1.0, (progress - 0.05) / 0.95)))
 
 
-def adamw(parameters, rate):
-    """In one pass over all weights where PyTorch can: their many small tensors take a tenth of a step otherwise."""
+def adamw(model, rate, keeps_features):
+    """In one pass over all weights where PyTorch can: their many small tensors take a tenth of a step otherwise.
+
+    @param keeps_features  those of the semantic branch stay, and the context's layers learn at CONTEXT_RATE"""
+    model.semantic.features.requires_grad_(not keeps_features)
+    named = [(name, p) for name, p in model.named_parameters() if p.requires_grad]
+    groups = [{'params': [p for name, p in named if name.startswith(TRANSFERRED) == transferred], 'share': share}
+              for transferred, share in ((False, 1.0), (True, CONTEXT_RATE if keeps_features else 1.0))]
     try:
-        return torch.optim.AdamW(parameters, rate, weight_decay=5e-4, fused=True)
+        return torch.optim.AdamW(groups, rate, weight_decay=5e-4, fused=True)
     except (RuntimeError, TypeError):  # before PyTorch 2.4, on a processor
-        return torch.optim.AdamW(parameters, rate, weight_decay=5e-4)
+        return torch.optim.AdamW(groups, rate, weight_decay=5e-4)
 
 
 class Training:
@@ -175,18 +169,21 @@ class Training:
         resumes = os.path.exists(self.last)
         begins_with = self.last if resumes else args.start
         weights = read_weights(begins_with) if begins_with else {}
-        width = widths(weights, begins_with) if weights else {'head_channels': args.head or 1024}
+        part = all(name.startswith(TRANSFERRED) for name in weights)  # the public network's, or none
+        width = {'head_channels': args.head or 1024} if part else widths(weights, begins_with)
         if args.head not in (None, width['head_channels']):
             raise SystemExit(f"'{begins_with}' has {width['head_channels']} channels in its last head, not {args.head}; leave --head out")
-        self.model = BiSeNetV2(len(NAMES), hints=hint.HINTS, **width)
+        self.model = BiSeNetV2(len(NAMES), **width)
         self.model = self.model.to(self.device, memory_format=torch.channels_last)  # the faster layout nearly everywhere
         if args.compile and not hasattr(torch, 'compile'):
             raise SystemExit(f'--compile needs PyTorch 2; this is {torch.__version__}')
         self.compiled = torch.compile(self.model, dynamic=False) if args.compile else self.model
-        self.optimiser = adamw(self.model.parameters(), args.rate)
+        self.optimiser = adamw(self.model, args.rate, bool(weights) and not args.train_features)
         self.step, self.best, self.seconds = 0, -1.0, 0.0
         self.unshared_seconds = 0.0
-        if args.start and not resumes:
+        if part:
+            self.model.load_state_dict(weights, strict=False)
+        elif not resumes:
             load_weights(self.model, weights, args.start)
         self.average = copy.deepcopy(self.model).eval()  # the weights' running mean infers better than the last ones
         if resumes:
@@ -216,15 +213,15 @@ class Training:
         with open(self.log, mode, newline='', encoding='utf-8') as out:
             csv.writer(out).writerow(row)
 
-    def one_step(self, images, labels, hints):
+    def one_step(self, images, labels):
         start = time.monotonic()
         self.model.train()
         for group in self.optimiser.param_groups:
-            group['lr'] = learning_rate(self.progress(), self.args.rate)
+            group['lr'] = group['share'] * learning_rate(self.progress(), self.args.rate)
         images = images.to(self.device, memory_format=torch.channels_last)
-        labels, hints = labels.to(self.device).long(), hints.to(self.device)
+        labels = labels.to(self.device).long()
         with torch.autocast(self.device, torch.bfloat16, enabled=self.bfloat16):
-            loss = total_loss(self.compiled, images, labels, hints)
+            loss = hard_pixel_loss(self.compiled(normalise(images)), labels, LOSS_STRIDE)
         self.optimiser.zero_grad(set_to_none=True)
         loss.backward()
         torch.nn.utils.clip_grad_norm_(self.model.parameters(), 5.0)
@@ -286,10 +283,10 @@ def main(argv=None):
 def run(training, loader, held_back):
     args, losses, scored = training.args, [], ''
     bar = Bar(training.progress()) if rank() == 0 else None
-    for images, labels, hints in loader:
+    for images, labels in loader:
         if training.progress() >= 1:
             break
-        losses.append(training.one_step(images, labels, hints))
+        losses.append(training.one_step(images, labels))
         if rank() != 0:
             continue
         loss = sum(losses) / len(losses)  # since the last score
@@ -298,6 +295,8 @@ def run(training, loader, held_back):
             training.save(training.last)
             plot_curve(training.log, os.path.join(args.out, 'curve.png'))
             losses = []
+        elif training.step % SAVE_EVERY == 0:
+            training.save(training.last)
         bar.update(training.progress(), f'step {training.step} loss {loss:.3f}{scored}')
 
 

@@ -39,6 +39,7 @@ struct Growth {
 SystemConfig readConfig(const Arguments& arguments) {
   SystemConfig config;
   config.dense.enabled = false;  // it is the sparse map that is looked at
+  config.segmentation.model.clear();
   applySettings(arguments, config);
   return config;
 }

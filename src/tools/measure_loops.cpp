@@ -47,6 +47,7 @@ constexpr double kFalseM = 0.5, kFalseRad = 0.2;
 SystemConfig readConfig(const Arguments& arguments) {
   SystemConfig config;
   config.dense.enabled = false;  // has no part in the loops
+  config.segmentation.model.clear();
   applySettings(arguments, config);
   return config;
 }

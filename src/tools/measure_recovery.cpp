@@ -169,6 +169,7 @@ SavedMapResult relocaliseInSavedMap(const Setup& setup, std::size_t starts) {
 int run(const Arguments& arguments) {
   Setup setup{arguments, SystemConfig()};
   setup.config.dense.enabled = false;  // has no part in where the camera is
+  setup.config.segmentation.model.clear();
   applySettings(arguments, setup.config);
 
   CutsResult cuts;

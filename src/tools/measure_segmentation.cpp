@@ -196,6 +196,7 @@ Options readOptions(const Arguments& arguments) {
   options.pictures = arguments.value("--pictures").value_or("");
   options.dilate_px = static_cast<int>(arguments.count("--dilate", 0));
   options.every = arguments.count("--every", options.every, 1);
+  options.config.model.clear();
   applySettings(arguments, options.config);
   if (options.config.model.empty() == (options.dilate_px == 0)) {
     throw UsageError("give either --set model=FILE.onnx or --dilate PX");

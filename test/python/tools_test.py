@@ -93,7 +93,8 @@ class ToolsTest(unittest.TestCase):
         return os.path.join(self.folder, name)
 
     def offline(self, recording, name, *arguments):
-        done = run("run_offline", recording, "--camera", self.camera, "--out", self.out(name), *arguments)
+        """Without a network, which knows nothing of this recording."""
+        done = run("run_offline", recording, "--camera", self.camera, "--out", self.out(name), "--set", "segmentation.model=", *arguments)
         self.assertEqual(done.returncode, 0, done.stderr)
         with open(os.path.join(self.out(name), "summary.json")) as file:
             return json.load(file)
@@ -122,6 +123,14 @@ class ToolsTest(unittest.TestCase):
         for name in ("trajectory.txt", "keyframes.txt", "cloud.pcd", "map.ot"):
             self.assertTrue(filecmp.cmp(f"{self.out('from_folder')}/{name}", f"{self.out('from_bag')}/{name}", shallow=False), name)
 
+    def test_the_packages_network_runs_unless_told_otherwise(self):
+        part = ("--frames", 5, "--set", "dense.enabled=false")
+        done = run("run_offline", self.sequence, "--camera", self.camera, "--out", self.out("network"), *part)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(os.path.join(self.out("network"), "summary.json")) as file:
+            self.assertIn("segmentation", json.load(file)["stages"])
+        self.assertNotIn("segmentation", self.offline(self.sequence, "no_network", *part)["stages"])
+
     def test_start_and_frames_choose_a_part(self):
         summary = self.offline(self.sequence, "part", "--start", 10, "--frames", 12, "--set", "dense.enabled=false")
         self.assertEqual(summary["frames"], 12)
@@ -132,7 +141,8 @@ class ToolsTest(unittest.TestCase):
 
     def cut(self, number):
         """A run that gets a signal in the middle. @return its status"""
-        command = [program("run_offline"), self.sequence, "--camera", self.camera, "--out", self.out("cut"), "--realtime"]
+        command = [program("run_offline"), self.sequence, "--camera", self.camera, "--out", self.out("cut"), "--realtime",
+                   "--set", "segmentation.model="]
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, universal_newlines=True)
         process.stderr.readline()  # the first message comes when the system is set up; at their own pace the frames
         time.sleep(0.3)            # then take over a second

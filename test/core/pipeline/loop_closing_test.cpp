@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/pipeline/sparse_slam.h"
+#include "core/support/motion_alone.h"
 #include "eval/scenario_source.h"
 #include "eval/trajectory_error.h"
 #include "semantic_vslam/core/pipeline/pipeline.h"
@@ -38,7 +39,7 @@ struct Outcome {
 };
 
 Outcome run(FrameSource& source) {
-  SystemConfig config;
+  SystemConfig config = motionAlone();
   config.dense.enabled = false;
   config.slam.tracking.orb.features = 400;  // little texture: enough drift to show that a loop takes it out
   // A room this small would all be in the local map, and tracking would close the loop by itself.

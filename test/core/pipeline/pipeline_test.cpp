@@ -13,6 +13,7 @@
 
 #include "core/dense/dense_mapper.h"
 #include "core/pipeline/sparse_slam.h"
+#include "core/support/motion_alone.h"
 #include "core/support/quarter_vga.h"
 #include "eval/synthetic_room.h"
 #include "eval/trajectory_error.h"
@@ -69,7 +70,7 @@ std::string readFile(const std::string& path) {
 }
 
 TEST(Pipeline, FollowsTheCameraThroughPeople) {
-  const Outcome result = run(SystemConfig());
+  const Outcome result = run(motionAlone());
   EXPECT_GE(result.posed, 58) << "all but the frame or two of the initialisation";
   EXPECT_EQ(result.trajectory.size(), static_cast<std::size_t>(result.posed) + 1) << "k1 gets its pose afterwards";
   EXPECT_LT(trajectoryError(result), 0.025);
@@ -78,7 +79,7 @@ TEST(Pipeline, FollowsTheCameraThroughPeople) {
 }
 
 TEST(Pipeline, TheSameInputGivesTheSameBytes) {
-  const Outcome a = run(SystemConfig()), b = run(SystemConfig());
+  const Outcome a = run(motionAlone()), b = run(motionAlone());
   ASSERT_EQ(a.trajectory.size(), b.trajectory.size());
   for (std::size_t i = 0; i < a.trajectory.size(); ++i) {
     EXPECT_EQ(a.trajectory[i].T_world_camera.matrix(), b.trajectory[i].T_world_camera.matrix()) << i;
@@ -181,7 +182,7 @@ TEST(Pipeline, ACameraThatStandsStillIsStillTold) {
 }
 
 TEST(Pipeline, AFrameThatIsNotNewerIsPassedOver) {
-  Pipeline system{SystemConfig()};
+  Pipeline system{motionAlone()};
   const auto& frames = walkingFrames();
   system.step(frames[0].frame);
   EXPECT_TRUE(system.step(frames[1].frame).posed());
@@ -207,7 +208,7 @@ TEST(Pipeline, AClockThatIsSetBackKeepsTheMap) {
 }
 
 TEST(Pipeline, DarknessLosesNothingThatIsMapped) {
-  Pipeline system{SystemConfig()};
+  Pipeline system{motionAlone()};
   const auto& frames = walkingFrames();
   for (int i = 0; i < 20; ++i) system.step(frames[i].frame);
   const std::size_t keyframes = system.slam().keyframeCount(), landmarks = system.slam().landmarkCount();

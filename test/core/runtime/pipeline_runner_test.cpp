@@ -14,6 +14,7 @@
 
 #include "core/dense/dense_mapper.h"
 #include "core/pipeline/sparse_slam.h"
+#include "core/support/motion_alone.h"
 #include "core/support/walking_frames.h"
 #include "eval/trajectory_error.h"
 #include "semantic_vslam/core/pipeline/pipeline.h"
@@ -82,7 +83,7 @@ RgbdFrame at(const RgbdFrame& frame, int index) {
 /// nodelets do, and what ThreadSanitizer is to see.
 TEST(PipelineRunner, TwoHundredFramesOnWorkersWhileOthersRead) {
   std::atomic<int> out{0}, posed{0};
-  PipelineRunner runner(SystemConfig(), [&](const RgbdFrame&, const StepResult& step) {
+  PipelineRunner runner(motionAlone(), [&](const RgbdFrame&, const StepResult& step) {
     posed += step.posed() ? 1 : 0;
     ++out;
   });

@@ -52,7 +52,9 @@ TEST(SegmentationStage, RefinesWhatTheNetworkSays) {
 TEST(SegmentationStage, WithoutANetworkSaysSoOnceAndGivesNoLabels) {
   std::vector<std::string> messages;
   setLogSink([&messages](LogLevel, const std::string& message) { messages.push_back(message); });
-  SegmentationStage stage{SegmentationConfig{}};
+  SegmentationConfig config;
+  config.model.clear();
+  SegmentationStage stage(config);
   EXPECT_FALSE(stage.enabled());
   EXPECT_EQ(stage.labels().size(), 1U);
   EXPECT_TRUE(stage.process(personBeforeWall()).empty());
@@ -75,6 +77,12 @@ TEST(SegmentationStage, GoesOnWithoutLabelsWhenTheNetworkFails) {
   EXPECT_FALSE(stage.enabled());
   EXPECT_EQ(stage.labels().size(), 4U);  // labels already given keep their meaning
   EXPECT_EQ(messages.size(), 1U);
+}
+
+TEST(SegmentationStage, RunsThePackagesNetworkUnlessToldOtherwise) {
+  const SegmentationStage stage{SegmentationConfig()};
+  EXPECT_TRUE(stage.enabled());
+  EXPECT_EQ(stage.labels().size(), 11U);
 }
 
 TEST(SegmentationStage, RefusesANetworkThatIsNotThere) {

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/support/motion_alone.h"
 #include "core/support/quarter_vga.h"
 #include "eval/synthetic_room.h"
 #include "semantic_vslam/core/pipeline/config.h"
@@ -48,7 +49,7 @@ class NotingNetwork final : public Segmenter {
 };
 
 inline SystemConfig sparse() {
-  SystemConfig config;
+  SystemConfig config = motionAlone();
   config.dense.enabled = false;
   return config;
 }

@@ -56,7 +56,7 @@ struct RefinementConfig {
 
 /// Stage 3: the network and the refinement of its masks on depth.
 struct SegmentationConfig {
-  std::string model;
+  std::string model = "bisenetv2_indoor.onnx";
   std::string sidecar;
   std::string provider = "auto";
   int threads = 1;

@@ -15,9 +15,15 @@ namespace semantic_vslam {
 namespace {
 
 std::unique_ptr<Segmenter> openNetwork(const SegmentationConfig& config) {
-  if (!config.model.empty()) return makeOnnxSegmenter(config);
-  logInfo("no semantic network (segmentation.model is empty): motion detection alone finds what moves");
-  return nullptr;
+  if (config.model.empty()) {
+    logInfo("no semantic network (segmentation.model is empty): motion detection alone finds what moves");
+    return nullptr;
+  }
+  if (!canRunNetworks() && config.model == SegmentationConfig().model) {  // nobody asked for one of their own
+    logWarning("this build has no ONNX Runtime, so no network runs: motion detection alone finds what moves");
+    return nullptr;
+  }
+  return makeOnnxSegmenter(config);
 }
 
 }  // namespace

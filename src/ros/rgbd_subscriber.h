@@ -84,11 +84,14 @@ class RgbdSubscriber {
   using ExactPolicy = message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::Image>;
   using ApproximatePolicy = message_filters::sync_policies::ApproximateTime<sensor_msgs::Image, sensor_msgs::Image>;
 
-  /// One stream of images: what came of it, and its way to the synchroniser.
+  using Filter = message_filters::PassThrough<sensor_msgs::Image>;
+
+  /// One stream of images: what came of it.
   struct Stream {
+    explicit Stream(Filter& way) : out(way) {}
     std::string topic;
     std::atomic<std::size_t> images{0};
-    message_filters::PassThrough<sensor_msgs::Image> out;
+    Filter& out;                             ///< to the synchroniser
     image_transport::Subscriber subscriber;  ///< last: it calls
   };
 
@@ -111,13 +114,14 @@ class RgbdSubscriber {
   ros::SteadyTime last_pair_;                       // guarded by mutex_
   ros::Time last_clock_, last_image_, last_stamp_;  // callback thread only; the first two with simulated time only
   std::uint32_t recording_ = 0;                     // callback thread only
+  Filter rgb_out_, depth_out_;                      // a synchroniser takes its leave of them at its end
   std::unique_ptr<message_filters::Synchronizer<ExactPolicy>> exact_;
   std::unique_ptr<message_filters::Synchronizer<ApproximatePolicy>> approximate_;
   LogThrottle throttle_;  // callback thread only
   std::shared_ptr<RgbdConverter> converter_;
   // Last, so that callbacks stop before what they use is gone.
   image_transport::ImageTransport transport_;
-  Stream rgb_, depth_;
+  Stream rgb_{rgb_out_}, depth_{depth_out_};
   ros::Subscriber info_subscriber_;
   ros::SteadyTimer silence_timer_;
 };

@@ -34,7 +34,7 @@
 #include "eval/scenario_source.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/stage_timing.h"
-#include "semantic_vslam/core/io/trajectory.h"
+#include "core/io/trajectory.h"
 #include "semantic_vslam/core/pipeline/pipeline.h"
 
 namespace semantic_vslam {

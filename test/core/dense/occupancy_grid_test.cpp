@@ -117,7 +117,7 @@ TEST(OccupancyGrid, WhatIsFarFromAllElseMakesNoGridOfGigabytes) {
   KeyframeCloudConfig cloud_config;
   cloud_config.stride_px = 1;
   const auto cloud = makeKeyframeCloud(KeyframeId(0), frame, cv::Mat1b(), cv::Mat1b(), cloud_config);
-  const FreeSpaceView view = makeFreeSpaceView(frame, cv::Mat1b(), 0.0019, 2);
+  const FreeSpaceView view = makeFreeSpaceView(frame, cv::Mat1b(), cloud_config, 2);
   for (const double x_m : {-0.5, 0.0, 0.5, 3000.0}) {
     map.integrate(cloud.points, view, SE3(Eigen::Translation3d(x_m, 0.0, 0.0)));
   }

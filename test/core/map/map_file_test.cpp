@@ -127,7 +127,7 @@ TEST(MapFile, EveryBadFileIsOneClearErrorAndLeavesTheMapAlone) {
   std::string other_version = good;
   other_version[8] = 9;
   EXPECT_EQ(message(other_version),
-            "map file 'x.map' has format version 9, this program reads 1: save it anew with this program");
+            "map file 'x.map' has format version 9, this program reads 2: save it anew with this program");
   std::string flipped = good;
   flipped[good.size() / 2] ^= 1;
   const std::string damaged = "map file 'x.map' is damaged: its checksum does not fit; save or copy it anew";

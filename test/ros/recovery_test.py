@@ -12,8 +12,6 @@ import xmlrpc.client
 import numpy
 import rosgraph
 import rospy
-from semantic_vslam.msg import KeyframePoseArray
-from sensor_msgs.msg import PointCloud2
 from slam_test import Listener, Recording, play, rendered_bag, wait_for_stages, wait_until
 from std_srvs.srv import Trigger
 
@@ -31,21 +29,25 @@ class RecoveryTest(unittest.TestCase):
         play(cls.recording.path)
         cls.first.wait_for_cloud(1000)
         time.sleep(4.0)  # the last keyframe on its way into the map, and all of it to where it is kept
-        cls.keyframes = len(cls.newest("tracking/keyframe_poses", KeyframePoseArray).keyframes)
-        cls.points = cls.newest("mapping/semantic_cloud", PointCloud2).width
+        cls.keyframes, cls.points = cls.sizes()
 
-    @staticmethod
-    def newest(topic, kind, timeout=20):
-        return rospy.wait_for_message(topic, kind, timeout)
+    @classmethod
+    def sizes(cls):
+        """@return keyframes and points of the newest messages"""
+        newest = cls.first.newest
+        return (len(newest["tracking/keyframe_poses"].keyframes) if "tracking/keyframe_poses" in newest else 0,
+                newest["mapping/semantic_cloud"].width if "mapping/semantic_cloud" in newest else 0)
 
     @staticmethod
     def pid(node):
         uri = rosgraph.Master("/recovery_test").lookupNode("/" + node)
         return xmlrpc.client.ServerProxy(uri).getPid("/recovery_test")[2]
 
-    def kill(self, node):
-        """@return when the node has come back under another process"""
+    def kill(self, node, *topics):
+        """Returns when the node has come back under another process. @param topics  that it has to send anew"""
         before = self.pid(node)
+        for topic in topics:
+            self.first.newest.pop(topic)
         os.kill(before, signal.SIGKILL)
 
         def is_back():
@@ -56,13 +58,8 @@ class RecoveryTest(unittest.TestCase):
         wait_until(is_back, WHOLE_AGAIN_S, f"the return of {node}")
 
     def check_map(self):
-        def keyframes():
-            return len(self.newest("tracking/keyframe_poses", KeyframePoseArray).keyframes)
-
-        def points():
-            return self.newest("mapping/semantic_cloud", PointCloud2).width
-        wait_until(lambda: keyframes() >= 0.95 * self.keyframes, WHOLE_AGAIN_S, "the keyframes' return")
-        wait_until(lambda: points() >= 0.95 * self.points, WHOLE_AGAIN_S, "the dense map's return")
+        wait_until(lambda: self.sizes()[0] >= 0.95 * self.keyframes, WHOLE_AGAIN_S, "the keyframes' return")
+        wait_until(lambda: self.sizes()[1] >= 0.95 * self.points, WHOLE_AGAIN_S, "the dense map's return")
 
     def check_poses(self):
         """The recording once more: where the camera was then it is now, in the map that there was."""
@@ -77,7 +74,7 @@ class RecoveryTest(unittest.TestCase):
         self.assertGreater(self.points, 1000)
         if self.nodelets:
             self.skipTest("one process")
-        self.kill("slam_mapping")
+        self.kill("slam_mapping", "mapping/semantic_cloud")
         self.check_map()
 
     def test_2_motion_and_segmentation_lose_nothing(self):
@@ -88,7 +85,10 @@ class RecoveryTest(unittest.TestCase):
         self.check_map()
 
     def test_3_tracking(self):
-        self.kill("slam_manager" if self.nodelets else "slam_tracking")
+        if self.nodelets:
+            self.kill("slam_manager", "tracking/keyframe_poses", "mapping/semantic_cloud")
+        else:
+            self.kill("slam_tracking", "tracking/keyframe_poses")
         wait_for_stages("tracking", "motion", "mapping")
         self.check_map()
         self.check_poses()
@@ -100,7 +100,7 @@ class RecoveryTest(unittest.TestCase):
         wait_until(lambda: os.path.exists(os.path.join(self.folder(), "map.dense")), 10, "the dense map's file")
         self.assertTrue(rospy.ServiceProxy("/slam_tracking/reset", Trigger)().success)
         self.assertTrue(rospy.ServiceProxy("/slam_mapping/clear", Trigger)().success)
-        wait_until(lambda: self.newest("mapping/semantic_cloud", PointCloud2).width == 0, 20, "an empty map")
+        wait_until(lambda: self.sizes() == (0, 0), 20, "an empty map")
         answer = load()
         self.assertTrue(answer.success, answer.message)
         self.check_map()

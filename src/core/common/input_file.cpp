@@ -97,8 +97,11 @@ std::string printable(const std::string& text) {
   const auto byteAt = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
   for (std::size_t i = 0; i < text.size(); ++i) {
     const unsigned byte = byteAt(i);
-    const bool c1 =
-        byte == 0xC2 && byteAt(i + 1) >= 0x80 && byteAt(i + 1) < 0xA0;  // terminals obey these in UTF-8, too
+    // Terminals obey C2 80 to C2 9F in UTF-8, too.
+    const auto isC1 = [&](std::size_t at) {
+      return byteAt(at) == 0xC2 && byteAt(at + 1) >= 0x80 && byteAt(at + 1) < 0xA0;
+    };
+    const bool c1 = isC1(i) || (i > 0 && isC1(i - 1));
     if (byte >= 0x20 && byte != 0x7F && !c1) {
       out += text[i];
       continue;

@@ -71,7 +71,7 @@ TEST_F(AtomicFileTest, FollowsALink) {
 }
 
 TEST_F(AtomicFileTest, ReplacesNoDeviceAndNoFolder) {
-  for (const std::string target : {std::string("/dev/null"), folder_.string()}) {
+  for (const std::string& target : {std::string("/dev/null"), folder_.string()}) {
     try {
       writeTextAtomically(target, "x");
       FAIL() << target;

@@ -55,7 +55,7 @@ TEST(YamlFile, AKeyThatIsSaidTwiceIsNamed) {
 }
 
 TEST(YamlFile, FoldersAndDevicesAreNamed) {
-  for (const std::string path : {"/dev/zero", "/tmp"}) {
+  for (const char* path : {"/dev/zero", "/tmp"}) {
     try {
       readConfigFile(path);
       FAIL() << path;

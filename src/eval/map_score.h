@@ -33,8 +33,8 @@ class PointIndex {
 /// as 2 cm cubes.
 struct RoomComparison {
   std::size_t points = 0, empty_points = 0;
-  double left_over = 0.0;    ///< share of the map's cubes farther than 5 cm from the empty room
-  double found_again = 0.0;  ///< share of the empty room's cubes with one of the map within 3 cm
+  double left_over = 0.0;                       ///< share of the map's cubes farther than 5 cm from the empty room
+  double found_again = 0.0;                     ///< share of the empty room's cubes with one of the map within 3 cm
   std::vector<LabelledPoint> left_over_points;  ///< of the map as given
 };
 RoomComparison compareWithEmptyRoom(const std::vector<LabelledPoint>& map, const std::vector<LabelledPoint>& empty);

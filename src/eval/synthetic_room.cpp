@@ -75,7 +75,8 @@ class SyntheticRoom::Impl {
   Primitives standingAtTheEnd() const {
     Primitives all = scene_.primitives;
     for (const Prop& prop : props_) {
-      const bool carried = prop.spec.carrier >= 0 && scenario_.people[prop.spec.carrier].release_s > scenario_.duration_s;
+      const bool carried =
+          prop.spec.carrier >= 0 && scenario_.people[prop.spec.carrier].release_s > scenario_.duration_s;
       if (!carried) append(all, placed(prop.parts, propPose(prop.spec, scenario_.duration_s)));
     }
     return all;

@@ -58,8 +58,14 @@ class RecoveryTest(unittest.TestCase):
         wait_until(is_back, WHOLE_AGAIN_S, f"the return of {node}")
 
     def check_map(self):
-        wait_until(lambda: self.sizes()[0] >= 0.95 * self.keyframes, WHOLE_AGAIN_S, "the keyframes' return")
-        wait_until(lambda: self.sizes()[1] >= 0.95 * self.points, WHOLE_AGAIN_S, "the dense map's return")
+        def is_back():
+            keyframes, points = self.sizes()
+            return keyframes >= 0.95 * self.keyframes and points >= 0.95 * self.points
+
+        try:
+            wait_until(is_back, WHOLE_AGAIN_S, "the map's return")
+        except AssertionError as error:
+            raise AssertionError(f"{error}: keyframes, points {self.sizes()} of {(self.keyframes, self.points)}") from None
 
     def check_poses(self):
         """The recording once more: where the camera was then it is now, in the map that there was."""

@@ -32,7 +32,6 @@ FreeSpaceView makeFreeSpaceView(const RgbdFrame& frame, const cv::Mat1b& exclude
   view.fy_cells = camera.fy() / cell_px;
   view.cx_cells = (camera.cx() + 0.5) / cell_px - 0.5;
   view.cy_cells = (camera.cy() + 0.5) / cell_px - 0.5;
-  view.undisturbed = excluded.empty() || cv::countNonZero(excluded) == 0;
   view.noise_m_per_m2 = config.depth_noise.surfaces_m;
   const auto min_m = static_cast<float>(config.min_depth_m), max_m = static_cast<float>(config.max_depth_m);
   const cv::Mat1b edges = depthEdges(frame.depth_m, camera.fx(), config);

@@ -23,8 +23,7 @@ struct FreeSpaceView {
   /// Mean inverse depth of the static surface in a cell, 1/m; 0 where none fills half of it.
   cv::Mat1f inverse_depth;
   double fx_cells = 1, fy_cells = 1, cx_cells = 0, cy_cells = 0;  ///< column = fx x/z + cx, integer at a cell's centre
-  bool undisturbed = true;    ///< nobody and nothing that moves was left out of the frame
-  double noise_m_per_m2 = 0;  ///< sigma(z) = noise z^2 of one depth
+  double noise_m_per_m2 = 0;                                      ///< sigma(z) = noise z^2 of one depth
 
   std::size_t bytes() const { return free_mm.total() * sizeof(std::uint16_t) + inverse_depth.total() * sizeof(float); }
 };

@@ -30,10 +30,10 @@ LogOdds logOdds(double probability) {
 /// What is kept of a voxel that ever held a point.
 struct Surface {
   std::uint32_t last_hit = 0;          ///< keyframe counter
-  std::uint16_t hits = 0, misses = 0;  ///< saturate
-  std::uint16_t doubts_since_hit = 0;  ///< keyframes that should have seen it and did not, though no ray passed
-  std::uint16_t misses_since_hit = 0;
-  bool undisturbed = false;                   ///< by a keyframe that saw nobody and nothing move
+  std::uint16_t hits = 0, misses = 0;  ///< saturate, as all counts here
+  /// Keyframes since the last hit: that looked through it; that saw nothing before or at it, though no ray surely
+  /// passed; that had it in view, hidden or not.
+  std::uint16_t misses_since_hit = 0, doubts_since_hit = 0, views_since_hit = 0;
   std::array<std::uint16_t, 3> bgr_256ths{};  ///< running mean
   LabelVotes votes;
 };
@@ -155,12 +155,13 @@ struct VoxelMap::Impl {
     value = std::clamp<LogOdds>(static_cast<LogOdds>(value + step), lowest, highest);
   }
 
-  void insertPoints(const std::vector<LabelledPoint>& points, bool undisturbed, const SE3& T_world_camera);
-  void hitVoxel(VoxelKey key, const Observation& observation, bool undisturbed);
+  void insertPoints(const std::vector<LabelledPoint>& points, const SE3& T_world_camera);
+  void hitVoxel(VoxelKey key, const Observation& observation);
   void carve(const FreeSpaceView& view, const SE3& T_world_camera);
   void carveBlock(const Eigen::Vector3i& block_index, const SE3& T_camera_world, const FreeSpaceView& view,
                   const FreeLimits& limits, const SurfaceDistance& surfaces);
   void miss(Block& block, int local);
+  bool besideConfirmed(const Block& block, int local) const;
   Occupancy state(const Block& block, int local) const;
   Voxel describe(const Eigen::Vector3i& index, const Block* block, int local) const;
 
@@ -172,27 +173,25 @@ struct VoxelMap::Impl {
   std::size_t known = 0;
 };
 
-void VoxelMap::Impl::insertPoints(const std::vector<LabelledPoint>& points, bool undisturbed,
-                                  const SE3& T_world_camera) {
+void VoxelMap::Impl::insertPoints(const std::vector<LabelledPoint>& points, const SE3& T_world_camera) {
   const std::vector<KeyedPoint> keyed = sortByVoxel(points, T_world_camera, config.resolution_m);
   Observation observation;
   for (std::size_t i = 0; i < keyed.size(); ++i) {
     observation.add(points[keyed[i].index]);
     if (i + 1 == keyed.size() || keyed[i + 1].key != keyed[i].key) {
-      hitVoxel(keyed[i].key, observation, undisturbed);
+      hitVoxel(keyed[i].key, observation);
       observation = Observation();
     }
   }
 }
 
-void VoxelMap::Impl::hitVoxel(VoxelKey key, const Observation& observation, bool undisturbed) {
+void VoxelMap::Impl::hitVoxel(VoxelKey key, const Observation& observation) {
   Block& block = blocks[key >> (3 * kBlockBits)];
   const int local = static_cast<int>(key & (kBlockVoxels - 1));
   change(block.log_odds[local], hit);
   Surface& surface = block.makeSurface(local);
   surface.last_hit = keyframes;
-  surface.misses_since_hit = surface.doubts_since_hit = 0;
-  surface.undisturbed = surface.undisturbed || undisturbed;
+  surface.misses_since_hit = surface.doubts_since_hit = surface.views_since_hit = 0;
   fuse(observation, surface);
 }
 
@@ -268,11 +267,12 @@ void VoxelMap::Impl::carveBlock(const Eigen::Vector3i& block_index, const SE3& T
     }
     if (free) {
       miss(*block, local);
-    } else if (block != nullptr && p.z() < config.free_range_m &&
-               p.z() + static_cast<float>(voxel_m) < 0.001F * static_cast<float>(view.free_mm(row, col))) {
-      Surface* surface = block->surface(local);  // kNoReturn is farther than anything
-      if (surface != nullptr && surface->last_hit != keyframes) countUp(surface->doubts_since_hit);
     }
+    Surface* surface = block == nullptr ? nullptr : block->surface(local);
+    if (surface == nullptr || surface->last_hit == keyframes || p.z() >= config.free_range_m) continue;
+    countUp(surface->views_since_hit);
+    const float seen_m = 0.001F * static_cast<float>(view.free_mm(row, col));  // kNoReturn is farther than anything
+    if (!free && p.z() + static_cast<float>(voxel_m) < seen_m) countUp(surface->doubts_since_hit);
   }
 }
 
@@ -290,17 +290,32 @@ void VoxelMap::Impl::miss(Block& block, int local) {
   if (surface != nullptr && surface->misses_since_hit >= kMissesUntilGone) value = std::min<LogOdds>(value, 0);
 }
 
+/// Whether what was seen once goes on from something that was seen more often: within two voxels, in the same block.
+bool VoxelMap::Impl::besideConfirmed(const Block& block, int local) const {
+  constexpr int kReach = 2;
+  const Eigen::Vector3i at(local >> (2 * kBlockBits), (local >> kBlockBits) & (kBlockSide - 1),
+                           local & (kBlockSide - 1));
+  const Eigen::Vector3i low = (at.array() - kReach).max(0), high = (at.array() + kReach).min(kBlockSide - 1);
+  for (int x = low.x(); x <= high.x(); ++x) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int z = low.z(); z <= high.z(); ++z) {
+        const Surface* surface = block.surface((x * kBlockSide + y) * kBlockSide + z);
+        if (surface != nullptr && surface->hits >= config.confirming_keyframes) return true;
+      }
+    }
+  }
+  return false;
+}
+
 Occupancy VoxelMap::Impl::state(const Block& block, int local) const {
-  constexpr int kDoubtsUntilGone = 3;                // keyframes
-  constexpr std::uint32_t kKeyframesToConfirm = 10;  // beside people
+  constexpr int kDoubtsUntilGone = 3;  // keyframes
+  constexpr int kViewsToConfirm = 10;
   const LogOdds value = block.log_odds[local];
   if (value == kUnknown) return Occupancy::kUnknown;
   if (value <= 0) return Occupancy::kFree;
   const Surface& surface = *block.surface(local);
-  // What was seen once is doubted when others do not see it, and for good where it may be of a body that was not found
-  // whole.
-  const bool doubted = surface.misses > 0 || surface.doubts_since_hit >= kDoubtsUntilGone ||
-                       (!surface.undisturbed && keyframes - surface.last_hit > kKeyframesToConfirm);
+  const bool unconfirmed = surface.views_since_hit > kViewsToConfirm && !besideConfirmed(block, local);
+  const bool doubted = surface.misses > 0 || surface.doubts_since_hit >= kDoubtsUntilGone || unconfirmed;
   if (doubted && surface.hits < config.confirming_keyframes) return Occupancy::kUnknown;
   const FusedDistance* distance = block.distance(local);
   if (distance != nullptr &&
@@ -339,7 +354,7 @@ VoxelMap& VoxelMap::operator=(VoxelMap&&) noexcept = default;
 void VoxelMap::integrate(const std::vector<LabelledPoint>& points, const FreeSpaceView& view,
                          const SE3& T_world_camera) {
   ++impl_->keyframes;
-  impl_->insertPoints(points, view.undisturbed, T_world_camera);
+  impl_->insertPoints(points, T_world_camera);
   impl_->carve(view, T_world_camera);
 }
 

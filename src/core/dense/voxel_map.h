@@ -34,7 +34,16 @@ struct Voxel {
 /// beside it. A keyframe of a desk takes 9 ms instead of the 45 ms of OctoMap's discretised, lazy insertion at the same
 /// 3 cm. The map leaves as an OctoMap (octomap_export.h).
 ///
-/// Memory: 1 kB a block (1.1 MB for 15 m^3 at 3 cm), and about 30 bytes for each voxel that holds a surface.
+/// Where a surface is within its voxels, a running mean of signed distances tells, weighted by the range it was seen
+/// from (Curless and Levoy 1996): many keyframes' noisy points become one surface, and voxels that only noise hit are
+/// neither free nor occupied.
+///
+/// What is gone leaves: a voxel that three keyframes in a row looked through is free, however often it was hit before.
+/// What one keyframe alone saw is doubted when others that should see it do not, and unless it goes on from what was
+/// seen again, it goes when ten had its place in view: the part of a person that no mask found.
+///
+/// Memory: 1 kB a block (1.1 MB for 15 m^3 at 3 cm), 2 kB more near surfaces, and about 30 bytes for each voxel that
+/// holds a surface.
 class VoxelMap {
  public:
   /// @throws ConfigError

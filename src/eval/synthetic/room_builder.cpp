@@ -69,7 +69,9 @@ class RoomBuilder {
                         [&](float middle) { return std::abs(middle - y) < half_width + kDoorWidthM / 2 + 0.15F; });
   }
 
-  void add(const Primitives& parts, const Isometry3f& T) { append(scene_.primitives, placed(scene_.numbered(parts), T)); }
+  void add(const Primitives& parts, const Isometry3f& T) {
+    append(scene_.primitives, placed(scene_.numbered(parts), T));
+  }
   /// Adds a support (a thing with its upper face first) and remembers it for contact shadows.
   void addSupport(const Primitives& parts, const Isometry3f& T) {
     supports_.push_back(static_cast<int>(scene_.primitives.size()));

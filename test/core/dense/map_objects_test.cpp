@@ -47,6 +47,27 @@ TEST(MapObjects, GapOfTwoCellsSeparatesAndTouchingClassesStayApart) {
   EXPECT_EQ(classes[1].label, 5);
 }
 
+/// The same, standing: along x and z.
+std::vector<LabelledPoint> screen(float x, int n, std::uint8_t label) {
+  std::vector<LabelledPoint> points = square(x, 0.0F, n, label);
+  for (LabelledPoint& point : points) point.xyz_m = cv::Vec3f(point.xyz_m[0], 0.0F, 1.0F + point.xyz_m[1]);
+  return points;
+}
+
+TEST(MapObjects, PiecesOfATableTopAreOneTableAndScreensSideBySideAreTwo) {
+  // A book lies across the table: 16 cm without points of it, but for its edge 8 cm beside.
+  const auto table = join(square(0.0F, 0.0F, 30, 10), square(0.38F, 0.0F, 30, 10));
+  ASSERT_EQ(findObjects(table, MapObjectsConfig()).size(), 1U);
+  EXPECT_NEAR(findObjects(table, MapObjectsConfig())[0].centroid_m.x(), 0.335, 0.005);
+  EXPECT_EQ(findObjects(join(screen(0.0F, 30, 3), screen(0.47F, 30, 3)), MapObjectsConfig()).size(), 2U);
+}
+
+TEST(MapObjects, ASeatAndItsFootAreOneChair) {
+  auto foot = square(0.05F, 0.05F, 25, 2);
+  for (LabelledPoint& point : foot) point.xyz_m[2] = 0.65F;  // the stem between them was not seen
+  EXPECT_EQ(findObjects(join(square(0.0F, 0.0F, 40, 2), foot), MapObjectsConfig()).size(), 1U);
+}
+
 TEST(MapObjects, BackgroundAndSpecksMakeNoObject) {
   EXPECT_TRUE(findObjects(square(0.0F, 0.0F, 30, 0), MapObjectsConfig()).empty());
   EXPECT_TRUE(findObjects(square(0.0F, 0.0F, 9, 1), MapObjectsConfig()).empty());

@@ -3,9 +3,10 @@
 #include "core/motion/camera_motion.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/common/rng.h"
 
@@ -28,9 +29,19 @@ constexpr double kHalfFrom = 2.0;
 // Change of velocity of a hand-held or wheeled camera between two frames (some 5 m/s^2, 10 rad/s^2).
 constexpr double kPriorTranslationM = 0.005, kPriorRotationRad = 0.01;
 constexpr double kGoodShare = 0.6;
-constexpr double kClearlyMore = 1.25;
-constexpr int kRansacDraws = 60;
+// Other motions are drawn from so many points of optical flow, which is exact to a few tenths of a pixel: the motion of
+// three points whose depth is noisy would be wrong by half a degree. They lie about the prediction as a hand may jerk.
+constexpr std::size_t kSamplePoints = 4;
+constexpr int kDraws = 200, kSampleSteps = 2;
+constexpr double kJerkM = 0.03, kJerkRad = 0.05;
 constexpr std::size_t kScoredPoints = 150;
+constexpr double kDrawnNoise = 2.0;  // four points give a rough motion: times the noise
+constexpr std::size_t kTriedStarts = 3;
+constexpr double kSameStart = 0.008;  // metres and radians together: nearer starts end at one motion
+constexpr double kDrawnWidening[] = {1.5, 1.0, 1.0};
+constexpr double kClearlyMore = 1.25;
+// From this distance on somebody fills less than a tenth of the view, and depth tells little: it counts as this far.
+constexpr float kFarM = 3.0F;
 
 struct NoiseModel {
   double flow_sigma;  // in units of the ray
@@ -91,12 +102,16 @@ Eigen::ArrayXf gemanMcClure(const Eigen::ArrayXf& squared, float scale_squared) 
 }
 
 /// Share of the weight that a motion explains; each point counts less the farther it is from it.
-double explainedShare(const PointColumns& points, const SE3& T, const NoiseModel& noise) {
+double explainedShare(const PointColumns& points, const Eigen::ArrayXf& weight, const SE3& T, const NoiseModel& noise) {
   const Residuals r(points, T, noise);
   constexpr auto kBound = static_cast<float>(kInlierSigmas * kInlierSigmas);
   const Eigen::ArrayXf near = (1.0F - (r.flowSquared() + r.d.square()) / kBound).max(0.0F);
-  return (points.weight * near).sum() / (points.weight.sum() + 1e-9F);
+  return (weight * near).sum() / (weight.sum() + 1e-9F);
 }
+
+/// The surface that points stand for, by their weight, instead of the part of the image: somebody within arm's length
+/// covers more of the view than the room does, but less of a surface.
+Eigen::ArrayXf surfaceWeights(const PointColumns& points) { return points.weight * points.z.min(kFarM).square(); }
 
 struct NormalEquations {
   Matrix6d H = Matrix6d::Zero();
@@ -148,45 +163,59 @@ SE3 refine(const PointColumns& points, const PointColumns& half, const SE3& star
   return T;
 }
 
-/// Rigid motion of three points (Kabsch).
-SE3 alignThree(const std::array<const FlowPoint*, 3>& sample) {
-  Eigen::Matrix3d from, to;
-  for (int i = 0; i < 3; ++i) {
-    from.col(i) = sample[i]->point_current.cast<double>();
-    const Eigen::Vector3f ray = sample[i]->ray_previous.homogeneous();
-    to.col(i) = (ray * sample[i]->depth_previous_m).cast<double>();
+using Sample = std::array<const FlowPoint*, kSamplePoints>;
+
+/// Motion near the prediction that the flow of a few points asks for.
+SE3 motionOf(const Sample& sample, const SE3& predicted, const NoiseModel& noise) {
+  Vector6d prior;
+  prior << Eigen::Vector3d::Constant(1.0 / (kJerkM * kJerkM)), Eigen::Vector3d::Constant(1.0 / (kJerkRad * kJerkRad));
+  SE3 T = predicted;
+  for (int step = 0; step < kSampleSteps; ++step) {
+    Matrix6d H = prior.asDiagonal();
+    Vector6d b = -prior.cwiseProduct(se3Log(T * predicted.inverse()));
+    for (const FlowPoint* point : sample) {
+      const Eigen::Vector3d p = T * point->point_current.cast<double>();
+      const double inverse_z = 1.0 / std::max(p.z(), 1e-3), x = p.x() * inverse_z, y = p.y() * inverse_z;
+      Eigen::Matrix<double, 2, 6> J;
+      J << inverse_z, 0.0, -inverse_z * x, -x * y, 1.0 + x * x, -y,  //
+          0.0, inverse_z, -inverse_z * y, -1.0 - y * y, x * y, x;
+      J /= noise.flow_sigma;
+      const Eigen::Vector2d error = (Eigen::Vector2d(x, y) - point->ray_previous.cast<double>()) / noise.flow_sigma;
+      H += J.transpose() * J;
+      b -= J.transpose() * error;
+    }
+    T = se3Exp(H.ldlt().solve(b)) * T;
   }
-  const Eigen::Vector3d from_mean = from.rowwise().mean(), to_mean = to.rowwise().mean();
-  const Eigen::Matrix3d cross = (to.colwise() - to_mean) * (from.colwise() - from_mean).transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-  SE3 T = SE3::Identity();
-  T.linear() = svd.matrixU() * Eigen::Vector3d(1.0, 1.0, sign).asDiagonal() * svd.matrixV().transpose();
-  T.translation() = to_mean - T.linear() * from_mean;
   return T;
 }
 
-SE3 drawStart(const std::vector<FlowPoint>& points, const NoiseModel& noise) {
+/// The motions that explain most surface, of those that a few points each ask for; best first.
+std::vector<SE3> drawStarts(const std::vector<FlowPoint>& points, const SE3& predicted, const NoiseModel& noise) {
   std::vector<const FlowPoint*> pool;
   for (const FlowPoint& point : points) {
-    if (point.depth_previous_m > 0.0F && point.weight > 0.1F) pool.push_back(&point);
+    if (point.weight > 0.1F) pool.push_back(&point);
   }
-  SE3 best = SE3::Identity();
-  if (pool.size() < 3) return best;
-  Rng rng(7);
-  // Three noisy points give a rough motion only: score it with wide noise, the refinement narrows it.
-  const NoiseModel wide{4.0 * noise.flow_sigma, 4.0 * noise.depth_sigma_at_1m_m};
+  if (pool.size() < kSamplePoints) return {};
+  const NoiseModel wide{kDrawnNoise * noise.flow_sigma, kDrawnNoise * noise.depth_sigma_at_1m_m};
   const PointColumns scored(points, std::max<std::size_t>(1, points.size() / kScoredPoints));
-  double best_share = -1.0;
-  for (int draw = 0; draw < kRansacDraws; ++draw) {
-    const SE3 T =
-        alignThree({pool[rng.below(pool.size())], pool[rng.below(pool.size())], pool[rng.below(pool.size())]});
-    if (!T.matrix().allFinite()) continue;
-    const double share = explainedShare(scored, T, wide);
-    if (share > best_share) {
-      best_share = share;
-      best = T;
-    }
+  const Eigen::ArrayXf surface = surfaceWeights(scored);
+  std::vector<std::pair<double, SE3>> drawn;
+  Rng rng(7);
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Sample sample{};
+    for (const FlowPoint*& point : sample) point = pool[rng.below(pool.size())];
+    const SE3 T = motionOf(sample, predicted, noise);
+    if (T.matrix().allFinite()) drawn.emplace_back(explainedShare(scored, surface, T, wide), T);
+  }
+  std::stable_sort(drawn.begin(), drawn.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<SE3> best;
+  for (const auto& [share, T] : drawn) {
+    const bool known = std::any_of(best.begin(), best.end(), [&T = T](const SE3& other) {
+      const Vector6d apart = se3Log(T * other.inverse());
+      return apart.head<3>().norm() + apart.tail<3>().norm() <= kSameStart;
+    });
+    if (!known) best.push_back(T);
+    if (best.size() == kTriedStarts) break;
   }
   return best;
 }
@@ -246,21 +275,25 @@ CameraMotion estimateCameraMotion(const std::vector<FlowPoint>& points, const Wo
   const PointColumns all(points), half(points, 2);
   NormalEquations normal;
   SE3 best = refine(all, half, T_previous_current_predicted, T_previous_current_predicted, noise, kWidening, normal);
-  double share = explainedShare(all, best, noise);
-  const auto consider = [&](const SE3& start, double factor) {
-    NormalEquations other_normal;
-    const SE3 other = refine(all, half, start, T_previous_current_predicted, noise, kWidening, other_normal);
-    const double other_share = explainedShare(all, other, noise);
-    if (other_share <= factor * share) return;
-    best = other;
-    share = other_share;
-    normal = other_normal;
-  };
   // Blurred images spread the flow of a good motion: no reason to look for another.
   const NoiseModel blurred{2.0 * noise.flow_sigma, noise.depth_sigma_at_1m_m};
-  if (share < kGoodShare && explainedShare(all, best, blurred) < kGoodShare) {
-    consider(SE3::Identity(), 1.0);
-    if (share < kGoodShare) consider(drawStart(points, noise), kClearlyMore);
+  if (explainedShare(all, all.weight, best, noise) < kGoodShare &&
+      explainedShare(all, all.weight, best, blurred) < kGoodShare) {
+    const Eigen::ArrayXf surface = surfaceWeights(all);
+    double most = explainedShare(all, surface, best, noise);
+    const auto consider = [&](const SE3& start, const auto& widenings, double factor) {
+      NormalEquations other_normal;
+      const SE3 other = refine(all, half, start, T_previous_current_predicted, noise, widenings, other_normal);
+      const double other_share = explainedShare(all, surface, other, noise);
+      if (other_share <= factor * most) return;
+      best = other;
+      most = other_share;
+      normal = other_normal;
+    };
+    consider(SE3::Identity(), kWidening, 1.0);
+    for (const SE3& start : drawStarts(points, T_previous_current_predicted, noise)) {
+      consider(start, kDrawnWidening, kClearlyMore);
+    }
   }
   // Blur, exposure and depth that lags behind colour widen the flow's spread: this frame's own is what residuals mean.
   noise.flow_sigma = std::max(measureFlowSigma(all, best, noise), noise.flow_sigma);

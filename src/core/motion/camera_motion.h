@@ -40,8 +40,10 @@ std::vector<FlowPoint> selectFlowPoints(const GridFrame& previous, const GridFra
 /// The camera's motion that moves the static points as the flow and both depth images say.
 ///
 /// Gauss-Newton with Geman-McClure weights whose scale is narrowed step by step, started from the prediction and from
-/// rest. Only where both explain too little is a start drawn by RANSAC, and it has to explain clearly more than they
-/// do: when something moving covers most of the image, the hypothesis that agrees with the past is kept.
+/// rest. Where both explain too little, some motions that few points agree on are tried (RANSAC), and one has to
+/// explain clearly more than they do. What counts there is the surface that moves with it, not the part of the image:
+/// somebody who steps away within arm's length covers more of the view than the room, but less surface. Where neither
+/// is larger, the motion that agrees with the past is kept.
 /// @param T_previous_current_predicted  e.g. the last motion again (constant velocity)
 CameraMotion estimateCameraMotion(const std::vector<FlowPoint>& points, const WorkGrid& grid,
                                   const SE3& T_previous_current_predicted, const RigidFlowConfig& config);

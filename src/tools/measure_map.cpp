@@ -25,6 +25,7 @@
 #include "core/dense/map_objects.h"
 #include "core/io/image_file.h"
 #include "core/io/json_writer.h"
+#include "core/io/trajectory.h"
 #include "core/pipeline/dense_stage.h"
 #include "core/pipeline/sparse_slam.h"
 #include "eval/cloud_view.h"
@@ -34,7 +35,6 @@
 #include "eval/scenario_source.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/stage_timing.h"
-#include "core/io/trajectory.h"
 #include "semantic_vslam/core/pipeline/pipeline.h"
 
 namespace semantic_vslam {

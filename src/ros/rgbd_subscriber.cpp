@@ -39,8 +39,8 @@ RgbdSubscriber::RgbdSubscriber(ros::NodeHandle nh, ros::NodeHandle private_nh, c
   converter_ = RgbdConverter::of(rgb_.topic + "\n" + depth_.topic, config_.camera_file, config_.rectified);
   synchronize();
   info_subscriber_ = nh.subscribe("rgb/camera_info", 5, &RgbdSubscriber::onInfo, this);
-  subscribe(rgb_, private_nh, "image_transport");
-  subscribe(depth_, private_nh, "depth_image_transport");
+  rgb_subscriber_ = subscribe(rgb_, private_nh, "image_transport");
+  depth_subscriber_ = subscribe(depth_, private_nh, "depth_image_transport");
   silence_timer_ =
       nh.createSteadyTimer(ros::WallDuration(config_.silent_after_s), [this](const ros::SteadyTimerEvent&) {
         const std::string problem = missing();
@@ -63,9 +63,10 @@ void RgbdSubscriber::synchronize() {
   approximate_->registerCallback(&RgbdSubscriber::onPair, this);
 }
 
-void RgbdSubscriber::subscribe(Stream& stream, ros::NodeHandle private_nh, const std::string& transport) {
+image_transport::Subscriber RgbdSubscriber::subscribe(Stream& stream, ros::NodeHandle private_nh,
+                                                      const std::string& transport) {
   try {
-    stream.subscriber = transport_.subscribe(
+    return transport_.subscribe(
         stream.topic, pairing_queue_,
         [this, &stream](const Image& image) { refusals_.guard(stream.topic, [&] { onImage(stream, image); }); },
         ros::VoidPtr(), image_transport::TransportHints("raw", {}, private_nh, transport));

@@ -84,19 +84,15 @@ class RgbdSubscriber {
   using ExactPolicy = message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::Image>;
   using ApproximatePolicy = message_filters::sync_policies::ApproximateTime<sensor_msgs::Image, sensor_msgs::Image>;
 
-  using Filter = message_filters::PassThrough<sensor_msgs::Image>;
-
-  /// One stream of images: what came of it.
+  /// One stream of images: what came of it, and its way to the synchroniser.
   struct Stream {
-    explicit Stream(Filter& way) : out(way) {}
     std::string topic;
     std::atomic<std::size_t> images{0};
-    Filter& out;                             ///< to the synchroniser
-    image_transport::Subscriber subscriber;  ///< last: it calls
+    message_filters::PassThrough<sensor_msgs::Image> out;
   };
 
   void synchronize();
-  void subscribe(Stream& stream, ros::NodeHandle private_nh, const std::string& transport);
+  image_transport::Subscriber subscribe(Stream& stream, ros::NodeHandle private_nh, const std::string& transport);
   void onInfo(const sensor_msgs::CameraInfoConstPtr& info);
   void onImage(Stream& stream, const Image& image);
   void onPair(const Image& rgb, const Image& depth);
@@ -114,14 +110,15 @@ class RgbdSubscriber {
   ros::SteadyTime last_pair_;                       // guarded by mutex_
   ros::Time last_clock_, last_image_, last_stamp_;  // callback thread only; the first two with simulated time only
   std::uint32_t recording_ = 0;                     // callback thread only
-  Filter rgb_out_, depth_out_;                      // a synchroniser takes its leave of them at its end
+  Stream rgb_, depth_;
+  // After the streams, which they are connected with.
   std::unique_ptr<message_filters::Synchronizer<ExactPolicy>> exact_;
   std::unique_ptr<message_filters::Synchronizer<ApproximatePolicy>> approximate_;
   LogThrottle throttle_;  // callback thread only
   std::shared_ptr<RgbdConverter> converter_;
   // Last, so that callbacks stop before what they use is gone.
   image_transport::ImageTransport transport_;
-  Stream rgb_{rgb_out_}, depth_{depth_out_};
+  image_transport::Subscriber rgb_subscriber_, depth_subscriber_;
   ros::Subscriber info_subscriber_;
   ros::SteadyTimer silence_timer_;
 };

@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sends messages that cannot be to live nodes: each costs itself alone, and is refused in one line with its topic."""
 import os
+import signal
 import time
 import unittest
 
@@ -224,6 +225,12 @@ class BadMessagesTest(unittest.TestCase):
         for name, node in self.nodes.items():
             self.assertEqual(node.lines_with("FATAL"), [], name)
             self.assertFalse(any("\x1b[2J" in line for line in node.lines), name)
+
+    def test_4_nodes_end_in_peace(self):
+        for node in self.nodes.values():
+            node.process.send_signal(signal.SIGINT)
+        for name, node in self.nodes.items():
+            self.assertEqual(node.process.wait(40), 0, name)
 
 
 if __name__ == "__main__":

@@ -39,12 +39,15 @@ class SurfaceDistance {
   }
 
   /// @param col, row  cell that the point is seen in, between the cells' centres  @param z_m  its depth
+  /// @param far_m  beyond twice this distance a coarse answer will do
   /// @return metres, above 0 before the surface; NaN where no surface was seen
-  float at(float col, float row, float z_m) const {
+  float at(float col, float row, float z_m, float far_m) const {
     const int near_col = static_cast<int>(col + 0.5F), near_row = static_cast<int>(row + 0.5F);
     const float here = inverse_(near_row, near_col);
     if (here <= 0.0F) return NAN;
-    return (1.0F - interpolated(col, row, here) * z_m) * scale_m_(near_row, near_col);
+    const float scale_m = scale_m_(near_row, near_col), coarse_m = (1.0F - here * z_m) * scale_m;
+    if (std::abs(coarse_m) > 2.0F * far_m) return coarse_m;
+    return (1.0F - interpolated(col, row, here) * z_m) * scale_m;
   }
 
  private:

@@ -258,7 +258,7 @@ void VoxelMap::Impl::carveBlock(const Eigen::Vector3i& block_index, const SE3& T
     const bool free = p.z() < limit_m(row, col);
     if (free && block == nullptr) block = &blocks[key];
     if (!free || !block->distances.empty()) {
-      const float distance_m = surfaces.at(u - 0.5F, v - 0.5F, p.z());
+      const float distance_m = surfaces.at(u - 0.5F, v - 0.5F, p.z(), truncation_m);
       if (distance_m > -truncation_m) {
         if (block == nullptr) block = &blocks[key];
         if (block->distances.empty()) block->distances.resize(kBlockVoxels);

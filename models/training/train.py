@@ -173,12 +173,14 @@ class Training:
         width = {'head_channels': args.head or 1024} if part else widths(weights, begins_with)
         if args.head not in (None, width['head_channels']):
             raise SystemExit(f"'{begins_with}' has {width['head_channels']} channels in its last head, not {args.head}; leave --head out")
+        saved = load_checkpoint(self.last) if resumes else {}
+        self.keeps_features = saved.get('keeps_features', bool(weights) and not args.train_features)
         self.model = BiSeNetV2(len(NAMES), **width)
         self.model = self.model.to(self.device, memory_format=torch.channels_last)  # the faster layout nearly everywhere
         if args.compile and not hasattr(torch, 'compile'):
             raise SystemExit(f'--compile needs PyTorch 2; this is {torch.__version__}')
         self.compiled = torch.compile(self.model, dynamic=False) if args.compile else self.model
-        self.optimiser = adamw(self.model, args.rate, bool(weights) and not args.train_features)
+        self.optimiser = adamw(self.model, args.rate, self.keeps_features)
         self.step, self.best, self.seconds = 0, -1.0, 0.0
         self.unshared_seconds = 0.0
         if part:
@@ -187,12 +189,11 @@ class Training:
             load_weights(self.model, weights, args.start)
         self.average = copy.deepcopy(self.model).eval()  # the weights' running mean infers better than the last ones
         if resumes:
-            self._resume()
+            self._resume(saved)
         elif rank() == 0:
             self._write_log(LOG_FIELDS, 'w')
 
-    def _resume(self):
-        saved = load_checkpoint(self.last)
+    def _resume(self, saved):
         self.model.load_state_dict(saved['model'])
         self.average.load_state_dict(saved['average'])
         self.optimiser.load_state_dict(saved['optimiser'])
@@ -201,7 +202,7 @@ class Training:
     def save(self, path):
         save_checkpoint(path, model=self.model.state_dict(), average=self.average.state_dict(),
                         optimiser=self.optimiser.state_dict(), step=self.step, best=self.best, seconds=self.seconds,
-                        size=self.args.size[0])
+                        size=self.args.size[0], keeps_features=self.keeps_features)
 
     def progress(self):
         """@return how much of the training is done, 0 to 1"""

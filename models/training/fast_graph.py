@@ -14,10 +14,7 @@ def grey(mean):
 
 
 def prepare(network, out, mean, std):
-    """Writes a float network as it is best quantised: normalisations are part of the convolutions, and each convolution with
-    several outputs for every input channel (gather-and-expand's) is a depthwise one over as many copies of its input. The sums are
-    the same, in another order of the channels, and the runtime, which has a kernel for them, needs 0.7 times the time for all.
-    The image is 1 x H x W x 3, in pixel values less grey(mean), and the first convolutions read several pixels of a row at once.
+    """Writes a float network as it is best quantised: normalisations are part of the convolutions. The image is 1 x H x W x 3, in pixel values less grey(mean), and the first convolutions read several pixels of a row at once.
 
     @param mean, std  of each channel, 0 to 255: the network's image is (pixel - mean) / std, 1 x 3 x H x W"""
     import onnx

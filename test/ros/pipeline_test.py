@@ -108,7 +108,9 @@ class PipelineTest(unittest.TestCase):
         self.assertTrue(all(state.has_mask for state in self.states.values()))
 
     def test_a_frame_is_converted_once_for_all_nodelets(self):
-        self.assertEqual(self.converted, {self.frames}, "count in the diagnostics of each nodelet that takes images in")
+        """Each tells the same count. A frame that all have let go and one asks for late is converted again."""
+        self.assertEqual(len(self.converted), 1, self.converted)
+        self.assertIn(self.converted.pop(), range(self.frames, round(1.1 * self.frames) + 1))
 
     def test_every_keyframe_loses_the_same_pixels(self):
         offline = self.offline_removed()

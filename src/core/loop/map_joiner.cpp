@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/loop/map_joiner.h"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -35,15 +36,24 @@ bool joinTrees(Map& map, LoopClosure& closure) {
   return true;
 }
 
-std::vector<KeyframeId> abandonedTrees(const Map& map, KeyframeId camera_at, int min_keyframes) {
-  std::map<KeyframeId, int> sizes;
+std::vector<KeyframeId> abandonedTrees(const Map& map, KeyframeId camera_at, int min_keyframes, double min_s) {
+  struct Extent {
+    int keyframes = 0;
+    Stamp first, last;
+  };
+  std::map<KeyframeId, Extent> trees;
   for (const auto& [id, root] : map.roots()) {
-    ++sizes[root];
+    Extent& tree = trees[root];
+    const Stamp stamp = map.keyframe(id)->stamp;
+    tree.first = tree.keyframes == 0 ? stamp : std::min(tree.first, stamp);
+    tree.last = tree.keyframes == 0 ? stamp : std::max(tree.last, stamp);
+    ++tree.keyframes;
   }
   const KeyframeId own_root = map.rootOf(camera_at);
   std::vector<KeyframeId> abandoned;
-  for (const auto& [root, keyframes] : sizes) {
-    if (keyframes < min_keyframes && root != own_root) abandoned.push_back(root);
+  for (const auto& [root, tree] : trees) {
+    const bool little = tree.keyframes < min_keyframes || secondsBetween(tree.first, tree.last) < min_s;
+    if (little && root != own_root) abandoned.push_back(root);
   }
   return abandoned;
 }

@@ -21,10 +21,11 @@ namespace semantic_vslam {
 /// @return whether there were two trees
 bool joinTrees(Map& map, LoopClosure& closure);
 
-/// Trees besides the camera's own with too few keyframes for the camera to come upon them again. The world's may be
-/// one: the oldest of the others is the world then.
-/// @param camera_at  any keyframe of the camera's tree  @return their roots, oldest first
-std::vector<KeyframeId> abandonedTrees(const Map& map, KeyframeId camera_at, int min_keyframes);
+/// Trees besides the camera's own that show too little for the camera to come upon them again: few keyframes, or all of
+/// them from one moment. The world's may be one: the oldest of the others is the world then.
+/// @param camera_at  any keyframe of the camera's tree  @param min_s  from a tree's first keyframe to its last
+/// @return their roots, oldest first
+std::vector<KeyframeId> abandonedTrees(const Map& map, KeyframeId camera_at, int min_keyframes, double min_s);
 
 /// Collects frames of a new map that were also found in the old one. Each tells where the new map lies; that is
 /// believed when three in a row say the same, which frames mistaken for another place, each in its own way, do not.

@@ -135,7 +135,8 @@ void SparseSlam::findAgain(const TrackedFrame& frame, const TrackOptions& option
 }
 
 void SparseSlam::dropAbandoned() {
-  const auto roots = abandonedTrees(state_.map, state_.tracker.reference(), config_.sparse_map.min_tree_keyframes);
+  const auto roots = abandonedTrees(state_.map, state_.tracker.reference(), config_.sparse_map.min_tree_keyframes,
+                                    config_.sparse_map.min_tree_s);
   if (roots.empty()) return;
   for (const KeyframeId root : roots) {
     for (const KeyframeId id : state_.map.removeTree(root)) state_.places.remove(id);

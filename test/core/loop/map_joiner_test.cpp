@@ -100,10 +100,14 @@ TEST(JoinTrees, TheFirstKeyframeOfATreeStaysUntilItIsJoined) {
 TEST(AbandonedTrees, AreSmallAndNotTheCamerasOwn) {
   TwoTrees trees;
   const Map& map = trees.synthetic.map;
-  EXPECT_EQ(abandonedTrees(map, trees.old_side[2], 5), (std::vector<KeyframeId>{trees.new_side[0]}));
-  EXPECT_TRUE(abandonedTrees(map, trees.old_side[2], 4).empty()) << "four keyframes are enough";
-  EXPECT_EQ(abandonedTrees(map, trees.new_side[1], 5), (std::vector<KeyframeId>{trees.old_side[0]}))
+  EXPECT_EQ(abandonedTrees(map, trees.old_side[2], 5, 0.0), (std::vector<KeyframeId>{trees.new_side[0]}));
+  EXPECT_TRUE(abandonedTrees(map, trees.old_side[2], 4, 0.0).empty()) << "four keyframes are enough";
+  EXPECT_EQ(abandonedTrees(map, trees.new_side[1], 5, 0.0), (std::vector<KeyframeId>{trees.old_side[0]}))
       << "four keyframes are too few for a world, too";
+  const double span_s = secondsBetween(map.keyframe(trees.new_side[0])->stamp, map.keyframe(trees.new_side[3])->stamp);
+  EXPECT_TRUE(abandonedTrees(map, trees.old_side[2], 4, span_s).empty());
+  EXPECT_EQ(abandonedTrees(map, trees.old_side[2], 4, span_s + 0.1), (std::vector<KeyframeId>{trees.new_side[0]}))
+      << "many keyframes of one moment show one view";
 }
 
 TEST(JoinEvidence, IsSettledWhenThreeFramesAgreeOnWhereTheNewMapLies) {

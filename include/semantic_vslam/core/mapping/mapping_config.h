@@ -13,6 +13,7 @@ struct MapMaintenanceConfig {
   double fuse_radius_px = 3.0;
   int fuse_neighbours = 10;
   int min_tree_keyframes = 5;
+  double min_tree_s = 1.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -34,6 +35,9 @@ struct MapMaintenanceConfig {
             "a new map that is lost again before it has this many and was never joined is dropped: it shows a second "
             "or two of the way, and loop closing wants three in a row that point at one place and neighbours of theirs "
             "to confirm it");
+    v.field("min_tree_s", min_tree_s, 0.0, 60.0,
+            "so is one whose keyframes lie within this many s: where tracking is weak, as among people, keyframes come "
+            "every third frame, and five of them show one view");
   }
 };
 

@@ -62,7 +62,7 @@ struct SegmentationConfig {
   int threads = 1;
   int arena_mb = 512;
   double longest_gap_s = 0.5;
-  double weak_person = 0.1;
+  double weak_person = 0.25;
   RefinementConfig refinement;
 
   template <class Visitor>

@@ -148,7 +148,8 @@ DenseRunner::Hooks MappingTopics::hooks() {
 
 /// As it was saved with the sparse map, or left by this node when it was killed.
 std::optional<DenseMapContent> MappingTopics::saved(std::uint32_t map_id) const {
-  for (const std::string& path : {recovery_.left().value_or(""), config_.map + kDenseFile, output_ + kDenseFile}) {
+  const std::string loaded = config_.map.empty() ? "" : config_.map + kDenseFile;
+  for (const std::string& path : {recovery_.left().value_or(""), loaded, output_ + kDenseFile}) {
     if (path.empty() || access(path.c_str(), F_OK) != 0) continue;
     try {
       DenseMapContent content = readDenseMap(path);

@@ -34,6 +34,7 @@ fs::path rosHome() {
 
 Recovery::Recovery(const ros::NodeHandle& private_nh, const std::string& file) {
   private_nh.getParam("restarted", restarted_);
+  private_nh.deleteParam("restarted");  // it is of this start alone
   const fs::path folder = rosHome() / "semantic_vslam" / fs::path(private_nh.getNamespace()).relative_path();
   std::error_code error;
   fs::create_directories(folder, error);  // if not, keep() says so

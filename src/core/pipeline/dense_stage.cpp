@@ -17,6 +17,17 @@
 
 namespace semantic_vslam {
 
+namespace {
+
+/// The first number that a state of the sparse map does not know yet.
+KeyframeId nextKeyframe(const MapSnapshot& map) {
+  std::uint64_t next = map.poses.empty() ? 0 : map.poses.back().keyframe.value() + 1;
+  if (!map.unplaced.empty()) next = std::max(next, map.unplaced.back().value() + 1);
+  return KeyframeId(next);
+}
+
+}  // namespace
+
 struct DenseStage::Inside {
   Inside(const DenseConfig& dense_config, const RemovalConfig& removal_config, Saved saved_maps)
       : config(dense_config), removal(removal_config), saved(std::move(saved_maps)) {
@@ -32,12 +43,24 @@ struct DenseStage::Inside {
     changes += mapper->rebuilds() + 1;  // the new mapper counts from 0
     mapper.emplace(config, label_set);
   }
+  /// Takes keyframes of a map that was saved, but for those that are newer than the sparse map: it will give their
+  /// numbers to others.
+  void restore(std::vector<DenseKeyframe> keyframes, const MapSnapshot& map) {
+    const KeyframeId next = nextKeyframe(map);
+    const auto newer = std::find_if(keyframes.begin(), keyframes.end(),
+                                    [&](const DenseKeyframe& held) { return !(held.cloud.keyframe < next); });
+    keyframes.erase(newer, keyframes.end());
+    mapper->restore(std::move(keyframes));
+  }
   /// Begins another map than before, with what was saved of it.
   void begin(const MapSnapshot& map) {
     // The sparse map came back under another number, since its process did: it is the one that is held here.
     if (map.origin != 0 && map_id && (map.origin == *map_id || map.origin == origin) && mapper->keyframes() > 0) {
       map_id = map.map_id;
       origin = map.origin;
+      restore(mapper->content(map.map_id).keyframes, map);
+      waiting.clear();
+      ++changes;
       return;
     }
     start(map.map_id);
@@ -51,7 +74,7 @@ struct DenseStage::Inside {
         continue;
       }
       mapper.emplace(config, label_set);
-      mapper->restore(std::move(content->keyframes));
+      restore(std::move(content->keyframes), map);
       logInfo("the dense map of " + std::to_string(mapper->keyframes()) + " saved keyframes is back");
       return;
     }
@@ -103,12 +126,10 @@ void DenseStage::take(const MapSnapshot& map) {
   inside_->place();
   inside_->mapper->updatePoses(inside_->poses);
   // What the sparse map has dropped nobody will place any more; of what is newer than this state of it nobody knows.
-  std::uint64_t next = map.poses.empty() ? 0 : map.poses.back().keyframe.value() + 1;
-  if (!map.unplaced.empty()) next = std::max(next, map.unplaced.back().value() + 1);
+  const KeyframeId next = nextKeyframe(map);
   const std::size_t waited = inside_->waiting.size();
-  inside_->waiting.keepOnly([&](KeyframeId id) {
-    return id.value() >= next || std::binary_search(map.unplaced.begin(), map.unplaced.end(), id);
-  });
+  inside_->waiting.keepOnly(
+      [&](KeyframeId id) { return !(id < next) || std::binary_search(map.unplaced.begin(), map.unplaced.end(), id); });
   inside_->culled += waited - inside_->waiting.size();
 }
 

@@ -69,6 +69,28 @@ TEST(DenseStage, TheMapStaysWhenTrackingComesBackWithIt) {
   EXPECT_EQ(stage.map().keyframes(), 0U) << "another map";
 }
 
+/// The map that comes back may be a little older than what is held: the numbers of the newest are given anew.
+TEST(DenseStage, KeyframesThatTheMapLostMakeRoomForThoseThatGetTheirNumbers) {
+  DenseStage stage({}, {});
+  fill(stage);
+  stage.take(mapOf(9, 5, 2));
+  EXPECT_EQ(stage.map().keyframes(), 2U);
+  KeyframeInput again;
+  again.keyframe = {KeyframeId(2), 9, Stamp::fromSeconds(20.0)};
+  again.frame = frameOf(cv::Mat1f(96, 128, 2.0F));
+  again.frame.stamp = again.keyframe.stamp;
+  stage.add(again);
+  stage.take(mapOf(9, 5, 3));
+  EXPECT_EQ(stage.map().keyframes(), 3U);
+  EXPECT_EQ(stage.map().content(9).keyframes.back().cloud.stamp, again.frame.stamp);
+
+  DenseStage fresh({}, {}, [](std::uint32_t map_id) {
+    return map_id == 5 ? std::optional<DenseMapContent>(saved()) : std::nullopt;
+  });
+  fresh.take(mapOf(9, 5, 2));
+  EXPECT_EQ(fresh.map().keyframes(), 2U);
+}
+
 TEST(DenseStage, WhatHasLabelsStaysWhereNobodyLabelsAnyMore) {
   DenseStage stage({}, {});
   fill(stage);

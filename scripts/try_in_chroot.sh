@@ -6,7 +6,7 @@
 # and, for both commands, about half an hour of two cores.
 #   scripts/try_in_chroot.sh bullseye|bookworm|trixie [COMMAND...]       default: './run demo' './run test'
 # Leaves the log in out/chroot/SUITE.log and the system in /var/tmp/semantic_vslam/SUITE, where ROS does not look for packages; it is
-# made anew each time, but with KEEP=1.
+# made anew each time, but with KEEP=1, which keeps what was installed and the compiler's cache.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/scripts/common.sh"
@@ -43,7 +43,7 @@ mount -t sysfs sys "$system/sys"
 mount --bind /dev "$system/dev"
 mount -t tmpfs shm "$system/dev/shm"
 
-rm -rf "$system/root/semantic_vslam" "$system/root/home"
+rm -rf "$system/root/semantic_vslam"
 mkdir -p "$system/root/home"
 git -c safe.directory='*' clone -q --no-hardlinks "$root" "$system/root/semantic_vslam"
 passed=()

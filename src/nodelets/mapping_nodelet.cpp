@@ -4,26 +4,20 @@
 #include <semantic_vslam/KeyframeStamped.h>
 #include <semantic_vslam/LabelInfo.h>
 #include <std_msgs/UInt32.h>
-#include <unistd.h>
 
 #include <memory>
-#include <optional>
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
 
-#include "core/dense/dense_map_file.h"
 #include "core/runtime/dense_runner.h"
 #include "ros/conversions.h"
+#include "ros/dense_map_files.h"
 #include "ros/map_publisher.h"
 #include "ros/motion_input.h"
 #include "ros/parameters.h"
-#include "ros/recovery.h"
 #include "ros/stage_nodelet.h"
-#include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
-
-constexpr const char* kDenseFile = "/map.dense";
 
 struct MappingNodeletConfig {
   std::string map_frame = "map";
@@ -66,13 +60,10 @@ class MappingTopics {
  private:
   DenseRunner::Hooks hooks();
   void publishRemoved(const KeyframeInput& input, const cv::Mat1b& removed);
-  std::optional<DenseMapContent> saved(std::uint32_t map_id) const;
-  void save(DenseStage& stage) const;
   void describe(StageDiagnostics::Status& status);
 
   const MappingNodeletConfig config_;
-  const std::string output_;
-  Recovery recovery_;  // of the runner's thread, but while it is made
+  DenseMapFiles files_;
   const Published motion_runs_, network_runs_;
   MapPublisher publisher_;
   ros::Publisher removed_;
@@ -83,14 +74,13 @@ class MappingTopics {
 
 MappingTopics::MappingTopics(const NodeletHandles& node)
     : config_(loadParameters<MappingNodeletConfig>(node.private_nh)),
-      output_(outputFolder(config_.output_directory)),
-      recovery_(node.private_nh, "map.dense"),
+      files_(node, config_.output_directory, config_.map),
       motion_runs_(node.nh, "motion/mask"),
       network_runs_(node.nh, "segmentation/labels"),
       publisher_(node.nh, config_.map_frame, config_.objects),
       removed_(node.nh.advertise<sensor_msgs::Image>("mapping/removed", 5)),
       diagnostics_(node, "mapping", config_.budget_ms),
-      runner_(DenseStage(config_.dense, config_.removal, [this](std::uint32_t map_id) { return saved(map_id); }),
+      runner_(DenseStage(config_.dense, config_.removal, [this](std::uint32_t map_id) { return files_.find(map_id); }),
               config_.inputs, config_.frames.kept_frames, hooks()),
       inputs_(node) {
   if (!config_.dense.enabled) {
@@ -106,14 +96,13 @@ MappingTopics::MappingTopics(const NodeletHandles& node)
     return std::string("the dense map is empty");
   });
   inputs_.trigger("save", [this] {
-    runner_.run([this](DenseStage& stage) { save(stage); });
-    return "cloud.pcd, map.ot and map.dense saved in " + output_;
+    std::string done;
+    runner_.run([&](DenseStage& stage) { done = files_.save(stage); });
+    return done;
   });
   // With the sparse map, so that both can be loaded as one.
   inputs_.waitingTopic<std_msgs::UInt32>("tracking/map_saved", 1, [this](const auto&) {
-    runner_.run([this](DenseStage& stage) {
-      if (stage.map().keyframes() > 0) stage.save(output_ + kDenseFile);
-    });
+    runner_.run([this](DenseStage& stage) { files_.saveWithSparse(stage); });
   });
   takeMotion(inputs_, [this](Stamp stamp, const MotionResult& motion) { runner_.take(stamp, motion); });
   inputs_.topic<sensor_msgs::Image>("segmentation/labels", 5,
@@ -140,25 +129,8 @@ DenseRunner::Hooks MappingTopics::hooks() {
           },
           [this](DenseStage& stage) {
             publisher_.publish(stage);
-            recovery_.keep(stage.changes() + stage.map().keyframes(), [&](const std::string& path) {
-              if (stage.map().keyframes() > 0) stage.save(path);
-            });
+            files_.keepForRecovery(stage);
           }};
-}
-
-/// As it was saved with the sparse map, or left by this node when it was killed.
-std::optional<DenseMapContent> MappingTopics::saved(std::uint32_t map_id) const {
-  const std::string loaded = config_.map.empty() ? "" : config_.map + kDenseFile;
-  for (const std::string& path : {recovery_.left().value_or(""), loaded, output_ + kDenseFile}) {
-    if (path.empty() || access(path.c_str(), F_OK) != 0) continue;
-    try {
-      DenseMapContent content = readDenseMap(path);
-      if (content.map_id == map_id) return content;
-    } catch (const FileError& error) {
-      ROS_ERROR("%s; going on without it", error.what());
-    }
-  }
-  return std::nullopt;
 }
 
 /// What a keyframe's map leaves out, for who wants to look.
@@ -166,13 +138,6 @@ void MappingTopics::publishRemoved(const KeyframeInput& input, const cv::Mat1b& 
   if (removed_.getNumSubscribers() == 0) return;
   const cv::Mat1b nothing = cv::Mat1b::zeros(input.frame.gray.size());
   removed_.publish(toRos(headerOf(input.frame), "mono8", removed.empty() ? nothing : removed));
-}
-
-void MappingTopics::save(DenseStage& stage) const {
-  stage.map().finish();
-  stage.save(output_ + kDenseFile);
-  stage.map().saveCloud(output_ + "/cloud.pcd");
-  stage.map().saveOctomap(output_ + "/map.ot");
 }
 
 void MappingTopics::describe(StageDiagnostics::Status& status) {

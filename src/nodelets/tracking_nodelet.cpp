@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <std_msgs/Header.h>
-#include <std_msgs/UInt32.h>
 
 #include <atomic>
 #include <memory>
@@ -9,22 +8,16 @@
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
 #include <utility>
-#include <vector>
 
-#include "core/io/trajectory.h"
-#include "core/pipeline/sparse_slam.h"
 #include "core/runtime/tracking_runner.h"
 #include "ros/conversions.h"
 #include "ros/motion_input.h"
 #include "ros/parameters.h"
-#include "ros/recovery.h"
+#include "ros/sparse_map_files.h"
 #include "ros/stage_nodelet.h"
 #include "ros/tracking_publisher.h"
-#include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
-
-constexpr const char *kMapFile = "/map.slam", *kTrajectoryFile = "/trajectory.txt";
 
 struct TrackingNodeletConfig {
   double budget_ms = 33.0;
@@ -68,45 +61,36 @@ class TrackingTopics {
   TrackingRunner::Hooks hooks();
   Running running();
   void offerServices();
-  Map copyMap() const;
-  std::string saveMap() const;
-  std::string loadMap(const std::string& path);
-  bool goOn();
-  void keepForRecovery();
-  std::string saveTrajectory() const;
   PendingFrame withBody(PendingFrame frame);
   void describe(StageDiagnostics::Status& status);
 
   const TrackingNodeletConfig config_;
-  const std::string output_;
-  Recovery recovery_;  // of one timer, but while it is made
   // Ids of an earlier run of this node must not pass for ours with whoever kept its keyframes.
   const std::uint32_t first_map_id_ = ros::WallTime::now().sec;
   const Published motion_runs_, network_runs_;
   std::atomic<bool> paused_{false}, network_seen_{false}, nobody_labels_{false};
   TrackingPublisher publisher_;
-  ros::Publisher labels_wanted_, map_saved_;
+  ros::Publisher labels_wanted_;
   StageDiagnostics diagnostics_;
   TrackingRunner runner_;
+  SparseMapFiles files_;
   NodeInputs inputs_;
 };
 
 TrackingTopics::TrackingTopics(const NodeletHandles& node)
     : config_(loadParameters<TrackingNodeletConfig>(node.private_nh)),
-      output_(outputFolder(config_.output_directory)),
-      recovery_(node.private_nh, "map.slam"),
       motion_runs_(node.nh, "motion/mask"),
       network_runs_(node.nh, "segmentation/labels"),
       publisher_(node.nh, config_.frames, config_.initial_pose, config_.people, config_.path_period_s, first_map_id_),
       labels_wanted_(node.nh.advertise<std_msgs::Header>("tracking/labels_wanted", 1)),
-      map_saved_(node.nh.advertise<std_msgs::UInt32>("tracking/map_saved", 1)),
       diagnostics_(node, "tracking", config_.budget_ms),
       runner_(TrackingStage(config_.slam, config_.waits, config_.removal, first_map_id_), config_.waits,
               config_.input.queue_size, hooks()),
+      files_(node, config_.output_directory, runner_, publisher_),
       inputs_(node) {
-  if (!goOn() && !config_.map.empty()) ROS_INFO("%s", loadMap(config_.map + kMapFile).c_str());
+  files_.begin(config_.map);
   offerServices();
-  inputs_.everyWaiting(1.0, [this] { keepForRecovery(); });
+  inputs_.everyWaiting(1.0, [this] { files_.keepForRecovery(); });
   takeMotion(inputs_, [this](Stamp stamp, const MotionResult& motion) { runner_.take(stamp, motion); });
   inputs_.topic<sensor_msgs::Image>("segmentation/labels", 2,
                                     [this](const auto& labels) { runner_.take(labelsFromRos(labels)); });
@@ -158,70 +142,11 @@ void TrackingTopics::offerServices() {
     runner_.change([](TrackingStage& stage) { stage.reset(); });
     return std::string("map and trajectory are dropped");
   });
-  inputs_.trigger("save_map", [this] { return saveMap(); });
-  inputs_.trigger("load_map", [this] { return loadMap(output_ + kMapFile); });
-  inputs_.trigger("save_trajectory", [this] { return saveTrajectory(); });
+  inputs_.trigger("save_map", [this] { return files_.saveMap(); });
+  inputs_.trigger("load_map", [this] { return files_.loadMap(); });
+  inputs_.trigger("save_trajectory", [this] { return files_.saveTrajectory(); });
   inputs_.onOff("pause", [this](bool on) { paused_ = on; });
   inputs_.onOff("localization_only", [this](bool on) { runner_.setLocalizationOnly(on); });
-}
-
-/// A slow disk must not hold up tracking: it is the copy that is written.
-Map TrackingTopics::copyMap() const {
-  Map map;
-  runner_.read([&](const TrackingStage& stage) { map = stage.copyMap(); });
-  map.setOrigin({map.origin().map_id, publisher_.anchor()});
-  return map;
-}
-
-std::string TrackingTopics::saveMap() const {
-  const Map map = copyMap();
-  const std::size_t keyframes = SparseSlam::saveMap(output_ + kMapFile, map);
-  std_msgs::UInt32 saved;
-  saved.data = map.origin().map_id;
-  map_saved_.publish(saved);  // mapping saves what belongs to it
-  return "map of " + std::to_string(keyframes) + " keyframes saved in " + output_ + kMapFile;
-}
-
-std::string TrackingTopics::loadMap(const std::string& path) {
-  const std::shared_ptr<SavedMap> saved = runner_.stage().readMap(path);  // long: tracking goes on
-  const std::size_t keyframes = saved->map.keyframes().size();
-  runner_.change([&](TrackingStage& stage) {
-    publisher_.anchorNextMap(saved->map.origin().T_map_world);
-    stage.loadMap(*saved);
-  });
-  return "map of " + std::to_string(keyframes) + " keyframes loaded from " + path;
-}
-
-/// Takes up the map that this node had when it was killed. @return false if there is none
-bool TrackingTopics::goOn() {
-  const std::optional<std::string> left = recovery_.left();
-  if (!left) return false;
-  try {
-    ROS_INFO("going on after a restart: %s", loadMap(*left).c_str());
-  } catch (const FileError& error) {
-    ROS_ERROR("the map from before the restart is lost: %s", error.what());
-    return false;
-  }
-  return true;
-}
-
-void TrackingTopics::keepForRecovery() {
-  std::size_t version = 0, keyframes = 0;
-  runner_.read([&](const TrackingStage& stage) {
-    version = stage.slam().posesVersion();
-    keyframes = stage.slam().keyframeCount();
-  });
-  if (keyframes == 0) return;
-  recovery_.keep(version, [this](const std::string& path) { SparseSlam::saveMap(path, copyMap()); });
-}
-
-std::string TrackingTopics::saveTrajectory() const {
-  std::vector<TimedPose> poses;
-  runner_.read([&](const TrackingStage& stage) { poses = stage.slam().trajectory(); });
-  poses = publisher_.inMap(std::move(poses));
-  if (poses.empty()) throw Error("no frame has a pose yet; " + output_ + kTrajectoryFile + " is not touched");
-  writeTumTrajectory(output_ + kTrajectoryFile, poses);
-  return std::to_string(poses.size()) + " poses saved in " + output_ + kTrajectoryFile;
 }
 
 void TrackingTopics::describe(StageDiagnostics::Status& status) {

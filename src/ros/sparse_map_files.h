@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The semantic_vslam authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/publisher.h>
+
+#include <string>
+
+#include "core/runtime/tracking_runner.h"
+#include "ros/recovery.h"
+#include "ros/tracking_publisher.h"
+
+namespace semantic_vslam {
+
+/// What the tracking node keeps on disk: the sparse map, for its services and for the node that takes its place when it
+/// is killed, and the trajectory.
+class SparseMapFiles {
+ public:
+  /// @param output_directory  made if need be  @throws ConfigError if it cannot be written to
+  SparseMapFiles(const NodeletHandles& node, const std::string& output_directory, TrackingRunner& runner,
+                 TrackingPublisher& publisher);
+
+  /// Takes up the map that this node had when it was killed, else the one in `folder`, if one is named.
+  void begin(const std::string& folder);
+  /// Has mapping save what belongs to the map, too.  @return what was done  @throws Error
+  std::string saveMap() const;
+  std::string loadMap() const;
+  /// As TUM has it: stamp in s, position in m and quaternion of the optical frame in the map.
+  std::string saveTrajectory() const;
+  /// To be called now and then.
+  void keepForRecovery();
+
+ private:
+  Map copyMap() const;
+  std::string load(const std::string& path) const;
+  bool goOn() const;
+
+  const std::string output_;
+  TrackingRunner& runner_;
+  TrackingPublisher& publisher_;
+  Recovery recovery_;
+  ros::Publisher map_saved_;
+};
+
+}  // namespace semantic_vslam

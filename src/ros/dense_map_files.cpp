@@ -5,6 +5,7 @@
 #include <ros/console.h>
 #include <unistd.h>
 
+#include "core/dense/dense_mapper.h"
 #include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {

@@ -9,11 +9,12 @@
 #include "core/dense/dense_map_file.h"
 #include "core/pipeline/dense_stage.h"
 #include "ros/recovery.h"
+#include "ros/stage_diagnostics.h"
 
 namespace semantic_vslam {
 
-/// What the mapping node keeps on disk: the dense map, for its services and for the node that takes its place when it is
-/// killed. All that takes a stage is called by the thread that runs it.
+/// What the mapping node keeps on disk: the dense map, for its services and for the node that takes its place when it
+/// is killed. All that takes a stage is called by the thread that runs it.
 class DenseMapFiles {
  public:
   /// @param output_directory  made if need be  @param loaded  folder with a saved map that tracking loads; empty: none

@@ -59,9 +59,7 @@ std::string SparseMapFiles::saveMap() const {
   return "map of " + std::to_string(keyframes) + " keyframes saved in " + output_ + kMapFile;
 }
 
-std::string SparseMapFiles::loadMap() const {
-  return load(output_ + kMapFile);
-}
+std::string SparseMapFiles::loadMap() const { return load(output_ + kMapFile); }
 
 std::string SparseMapFiles::load(const std::string& path) const {
   const std::shared_ptr<SavedMap> saved = runner_.stage().readMap(path);  // long: tracking goes on

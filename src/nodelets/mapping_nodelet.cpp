@@ -13,6 +13,7 @@
 #include "ros/conversions.h"
 #include "ros/dense_map_files.h"
 #include "ros/map_publisher.h"
+#include "ros/map_services.h"
 #include "ros/motion_input.h"
 #include "ros/parameters.h"
 #include "ros/stage_nodelet.h"
@@ -34,10 +35,10 @@ struct MappingNodeletConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.text("map_frame", map_frame, "frame_id of the maps");
-    v.text(
-        "output_directory", output_directory,
-        "where ~save writes cloud.pcd, map.ot and map.dense, of which the last is read when tracking loads the map it "
-        "belongs to");
+    v.text("output_directory", output_directory,
+           "where ~save writes map.dense, cloud.pcd, map.ot, map.bt, grid.pgm and grid.yaml, of which the first is "
+           "read when tracking loads the map it "
+           "belongs to");
     v.text("map", map, "folder with a saved map that tracking loads at the start, see its ~map");
     v.field("budget_ms", budget_ms, 1.0, 10000.0, "ms a keyframe may take before the diagnostics warn");
     v.field("publish_period_s", publish_period_s, 0.1, 60.0, "s between publications of a map that changes");
@@ -100,6 +101,7 @@ MappingTopics::MappingTopics(const NodeletHandles& node)
     runner_.run([&](DenseStage& stage) { done = files_.save(stage); });
     return done;
   });
+  offerMapServices(inputs_, runner_, config_.map_frame);
   // With the sparse map, so that both can be loaded as one.
   inputs_.waitingTopic<std_msgs::UInt32>("tracking/map_saved", 1, [this](const auto&) {
     runner_.run([this](DenseStage& stage) { files_.saveWithSparse(stage); });

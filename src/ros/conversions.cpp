@@ -383,16 +383,6 @@ visualization_msgs::MarkerArray toRos(const std::vector<MapObject>& objects, con
   return array;
 }
 
-octomap_msgs::Octomap toRos(OctreeMessage octree, const std_msgs::Header& header) {
-  octomap_msgs::Octomap message;
-  message.header = header;
-  message.binary = octree.binary;
-  message.id = std::move(octree.id);
-  message.resolution = octree.resolution_m;
-  message.data = std::move(octree.data);
-  return message;
-}
-
 nav_msgs::OccupancyGrid toRos(const OccupancyGrid& grid, const std_msgs::Header& header) {
   nav_msgs::OccupancyGrid message;
   message.header = header;

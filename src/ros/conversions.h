@@ -6,7 +6,6 @@
 #include <geometry_msgs/Transform.h>
 #include <geometry_msgs/Twist.h>
 #include <nav_msgs/OccupancyGrid.h>
-#include <octomap_msgs/Octomap.h>
 #include <ros/time.h>
 #include <semantic_vslam/KeyframePoseArray.h>
 #include <semantic_vslam/KeyframeStamped.h>
@@ -106,7 +105,6 @@ sensor_msgs::PointCloud2Ptr toRos(const std::vector<LabelledPoint>& points, cons
 visualization_msgs::MarkerArray toRos(const std::vector<MapObject>& objects, const LabelSet& labels,
                                       const std_msgs::Header& header);
 
-octomap_msgs::Octomap toRos(OctreeMessage octree, const std_msgs::Header& header);
 nav_msgs::OccupancyGrid toRos(const OccupancyGrid& grid, const std_msgs::Header& header);
 
 /// Unordered cloud with the fields x y z (float32, metres).

@@ -33,9 +33,8 @@ std::optional<DenseMapContent> DenseMapFiles::find(std::uint32_t map_id) const {
 std::string DenseMapFiles::save(DenseStage& stage) const {
   stage.map().finish();
   stage.save(output_ + kDenseFile);
-  stage.map().saveCloud(output_ + "/cloud.pcd");
-  stage.map().saveOctomap(output_ + "/map.ot");
-  return "cloud.pcd, map.ot and map.dense saved in " + output_;
+  stage.map().saveForOthers(output_);
+  return "map.dense, cloud.pcd, map.ot, map.bt, grid.pgm and grid.yaml saved in " + output_;
 }
 
 void DenseMapFiles::saveWithSparse(DenseStage& stage) const {

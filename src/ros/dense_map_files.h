@@ -23,7 +23,7 @@ class DenseMapFiles {
 
   /// @return the map that was saved with the sparse one of this id, or was left by this node when it was killed
   std::optional<DenseMapContent> find(std::uint32_t map_id) const;
-  /// cloud.pcd, map.ot and map.dense.  @return what was done  @throws FileError
+  /// map.dense, and the files of DenseMapper::saveForOthers().  @return what was done  @throws FileError
   std::string save(DenseStage& stage) const;
   /// map.dense alone, which is loaded with the sparse map that was saved just now.
   void saveWithSparse(DenseStage& stage) const;

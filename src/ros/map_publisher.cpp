@@ -3,13 +3,12 @@
 #include "ros/map_publisher.h"
 
 #include <nav_msgs/OccupancyGrid.h>
-#include <octomap_msgs/Octomap.h>
 #include <sensor_msgs/PointCloud2.h>
-#include <visualization_msgs/MarkerArray.h>
 
 #include <utility>
 
 #include "ros/conversions.h"
+#include "ros/octomap_conversions.h"
 
 namespace semantic_vslam {
 
@@ -25,9 +24,21 @@ MapPublisher::MapPublisher(ros::NodeHandle nh, std::string map_frame, const MapO
   advertise<octomap_msgs::Octomap>(nh, "mapping/octomap_full", [](const Out& out, Source& source) {
     out.publish(toRos(source.map.fullOctree(), source.header));
   });
-  // Keyframe poses arrive in the map frame, whose z is up already.
+  advertise<sensor_msgs::PointCloud2>(nh, "mapping/octomap_point_cloud_centers", [](const Out& out, Source& source) {
+    out.publish(occupiedCentres(source.octreeLeaves(), source.header));
+  });
+  for (const bool occupied : {true, false}) {
+    const std::string topic = occupied ? "mapping/occupied_cells_vis_array" : "mapping/free_cells_vis_array";
+    advertise<visualization_msgs::MarkerArray>(nh, topic, [occupied](const Out& out, Source& source) {
+      const double resolution_m = source.map.voxelMap().resolution();
+      out.publish(cubeMarkers(source.octreeLeaves(), occupied, resolution_m, source.header));
+    });
+  }
+  // Keyframe poses arrive in the map frame, whose z is up already. A grid without cells would shrink a costmap to
+  // nothing.
   advertise<nav_msgs::OccupancyGrid>(nh, "mapping/projected_map", [](const Out& out, Source& source) {
-    out.publish(toRos(source.map.projectedMap(SE3::Identity()), source.header));
+    const OccupancyGrid grid = source.map.projectedMap(SE3::Identity());
+    if (!grid.cells.empty()) out.publish(toRos(grid, source.header));
   });
   advertise<visualization_msgs::MarkerArray>(nh, "mapping/objects", [objects](const Out& out, Source& source) {
     out.publish(toRos(findObjects(source.cloud(), objects), source.labels, source.header));
@@ -45,6 +56,11 @@ void MapPublisher::advertise(ros::NodeHandle& nh, const std::string& topic, Publ
 const std::vector<LabelledPoint>& MapPublisher::Source::cloud() {
   if (!points) points = map.cloud();
   return *points;
+}
+
+const std::vector<OctreeLeaf>& MapPublisher::Source::octreeLeaves() {
+  if (!leaves) leaves = map.octreeLeaves();
+  return *leaves;
 }
 
 /// A large map takes seconds to publish: three quarters of the time are left to the keyframes that wait.
@@ -75,7 +91,7 @@ void MapPublisher::report(StageDiagnostics::Status& status) const {
 }
 
 void MapPublisher::publishTopics(const DenseMapper& map, const LabelSet& labels) {
-  Source source{map, labels, {}, {}};
+  Source source{map, labels, {}, {}, {}};
   source.header.stamp = ros::Time::now();
   source.header.frame_id = map_frame_;
   for (Topic& topic : topics_) {

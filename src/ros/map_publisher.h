@@ -20,8 +20,9 @@
 
 namespace semantic_vslam {
 
-/// Publishes the dense map: mapping/{semantic_cloud, octomap_binary, octomap_full, projected_map, objects}. Who
-/// subscribes gets the map as it is at the next publication: a latched message might be hours old.
+/// Publishes the dense map: mapping/{semantic_cloud, objects}, and what octomap_server publishes, by its names, below
+/// mapping/: octomap_binary, octomap_full, octomap_point_cloud_centers, {occupied, free}_cells_vis_array,
+/// projected_map. Who subscribes gets the map as it is at the next publication: a latched message might be hours old.
 class MapPublisher {
  public:
   /// @param map_frame  frame_id of the maps; its z is up
@@ -43,7 +44,10 @@ class MapPublisher {
     std_msgs::Header header;
     std::optional<std::vector<LabelledPoint>> points;
 
+    std::optional<std::vector<OctreeLeaf>> leaves;
+
     const std::vector<LabelledPoint>& cloud();
+    const std::vector<OctreeLeaf>& octreeLeaves();
   };
   using Publish = std::function<void(const ros::Publisher&, Source&)>;
   struct Topic {

@@ -14,32 +14,27 @@ void NodeInputs::images(const RgbdInputConfig& config, RgbdSubscriber::Sink sink
   images_ = std::make_unique<RgbdSubscriber>(node_.nh, node_.private_nh, config, refusals_, std::move(sink));
 }
 
-template <class Service>
-void NodeInputs::serve(const std::string& name,
-                       std::function<void(typename Service::Request&, typename Service::Response&)> answer) {
-  using Request = typename Service::Request;
-  using Response = typename Service::Response;
-  ros::NodeHandle& nh = node_.waiting_private_nh;
-  const boost::function<bool(Request&, Response&)> callback =
-      [answer = std::move(answer), resolved = nh.resolveName(name)](Request& request, Response& response) {
-        try {
-          answer(request, response);
-          response.success = true;
-        } catch (const std::exception& error) {
-          response.message = error.what();
-          ROS_ERROR("%s: %s", resolved.c_str(), error.what());
-        }
-        return true;
-      };
-  services_.push_back(nh.advertiseService<Request, Response>(name, callback));
-}
-
 void NodeInputs::trigger(const std::string& name, std::function<std::string()> action) {
-  serve<std_srvs::Trigger>(name, [action = std::move(action)](auto&, auto& response) { response.message = action(); });
+  answered<std_srvs::Trigger>(name,
+                              [action = std::move(action)](auto&, auto& response) { response.message = action(); });
 }
 
 void NodeInputs::onOff(const std::string& name, std::function<void(bool)> action) {
-  serve<std_srvs::SetBool>(name, [action = std::move(action)](auto& request, auto&) { action(request.data); });
+  answered<std_srvs::SetBool>(name, [action = std::move(action)](auto& request, auto&) { action(request.data); });
+}
+
+template <class Service, class Answer>
+void NodeInputs::answered(const std::string& name, Answer answer) {
+  const std::string resolved = node_.waiting_private_nh.resolveName(name);
+  service<Service>(name, [answer = std::move(answer), resolved](auto& request, auto& response) {
+    try {
+      answer(request, response);
+      response.success = true;
+    } catch (const std::exception& error) {
+      response.message = error.what();
+      ROS_ERROR("%s: %s", resolved.c_str(), error.what());
+    }
+  });
 }
 
 void NodeInputs::timer(ros::NodeHandle& nh, double period_s, std::function<void()> action) {

@@ -50,6 +50,25 @@ class NodeInputs {
   void trigger(const std::string& name, std::function<std::string()> action);
   /// std_srvs/SetBool likewise.
   void onOff(const std::string& name, std::function<void(bool)> action);
+  /// Any service below the nodelet's name. @param answer  of (request, response); may wait; what it throws is logged,
+  /// and the call fails.
+  template <class Service, class Answer>
+  void service(const std::string& name, Answer answer) {
+    using Request = typename Service::Request;
+    using Response = typename Service::Response;
+    ros::NodeHandle& nh = node_.waiting_private_nh;
+    const boost::function<bool(Request&, Response&)> callback =
+        [answer = std::move(answer), resolved = nh.resolveName(name)](Request& request, Response& response) {
+          try {
+            answer(request, response);
+            return true;
+          } catch (const std::exception& error) {
+            ROS_ERROR("%s: %s", resolved.c_str(), error.what());
+            return false;
+          }
+        };
+    services_.push_back(nh.advertiseService<Request, Response>(name, callback));
+  }
   /// By the steady clock: a simulated one may stand still.
   void every(double period_s, std::function<void()> action) { timer(node_.nh, period_s, std::move(action)); }
   /// Likewise; the action may wait.
@@ -71,9 +90,8 @@ class NodeInputs {
     };
     subscribers_.push_back(nh.subscribe<Message>(name, queue_size, guarded));
   }
-  template <class Service>
-  void serve(const std::string& name,
-             std::function<void(typename Service::Request&, typename Service::Response&)> answer);
+  template <class Service, class Answer>
+  void answered(const std::string& name, Answer answer);
 
   NodeletHandles node_;
   Refusals refusals_;

@@ -14,13 +14,15 @@ import rospkg
 import rospy
 import sensor_msgs.point_cloud2
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseWithCovarianceStamped
+from geometry_msgs.msg import Point, PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from nav_msgs.srv import GetMap
 from octomap_msgs.msg import Octomap
+from octomap_msgs.srv import BoundingBoxQuery, GetOctomap
 from programs import program
 from semantic_vslam.msg import KeyframePoseArray, KeyframeStamped, MotionReport, MoverArray, TrackingReport
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
-from std_srvs.srv import SetBool, Trigger
+from std_srvs.srv import Empty, SetBool, Trigger
 from tf import transformations
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
@@ -339,6 +341,7 @@ class SlamTest(unittest.TestCase):
         self.check_pause()
         self.check_reset()
         self.check_loading()
+        self.check_octomap_server()
         self.check_clearing()
 
     def check_saving(self):
@@ -419,6 +422,30 @@ class SlamTest(unittest.TestCase):
         self.assertFalse(answer.success, answer.message)
         self.assertIn("not touched", answer.message)
         self.assertEqual(os.stat(path), before)
+
+    def check_octomap_server(self):
+        """The services of octomap_server and map_server answer with what the topics show."""
+        seen = self.seen.newest
+        binary = rospy.ServiceProxy("/slam_mapping/octomap_binary", GetOctomap)().map
+        self.assertEqual((binary.id, binary.binary, binary.resolution), ("OcTree", True, 0.03))
+        self.assertEqual(rospy.ServiceProxy("/slam_mapping/octomap_full", GetOctomap)().map.id, "ColorOcTree")
+        grid = rospy.ServiceProxy("/slam_mapping/static_map", GetMap)().map
+        self.assertEqual((round(grid.info.resolution, 6), grid.header.frame_id), (0.06, "map"))
+        self.assertGreater(sum(cell == 100 for cell in grid.data), 20)
+        centres = rospy.wait_for_message("mapping/octomap_point_cloud_centers", PointCloud2, 20)
+        cubes = {state: rospy.wait_for_message(f"mapping/{state}_cells_vis_array", MarkerArray, 20).markers
+                 for state in ("occupied", "free")}
+        self.assertEqual(sum(len(marker.points) for marker in cubes["occupied"]), centres.width)
+        self.assertGreater(sum(len(marker.points) for marker in cubes["free"]), 1000)
+        clear = rospy.ServiceProxy("/slam_mapping/clear_bbx", BoundingBoxQuery)
+        with self.assertRaises(rospy.ServiceException):
+            clear(Point(1, 0, 0), Point(-1, 0, 0))
+        clear(Point(-50, -50, 0.3), Point(50, 50, 50))
+        wait_until(lambda: seen["mapping/semantic_cloud"].width > 0 and
+                   max(z for (z,) in sensor_msgs.point_cloud2.read_points(seen["mapping/semantic_cloud"], ("z",))) < 0.32, 20, "a cleared box")
+        rospy.ServiceProxy("/slam_mapping/reset", Empty)()
+        with self.assertRaises(rospy.ServiceException):
+            rospy.ServiceProxy("/slam_mapping/static_map", GetMap)()
 
     def check_clearing(self):
         self.assertTrue(rospy.ServiceProxy("/slam_mapping/clear", Trigger)().success)

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/dense/cloud_file.h"
+#include "core/dense/grid_file.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/log.h"
 
@@ -220,6 +221,26 @@ OccupancyGrid DenseMapper::projectedMap(const SE3& T_map_world) const {
 void DenseMapper::saveCloud(const std::string& path) const { writePcd(cloud(), path); }
 
 void DenseMapper::saveOctomap(const std::string& path) const { saveOctree(served_.voxels, path); }
+
+void DenseMapper::saveForOthers(const std::string& folder) const {
+  saveCloud(folder + "/cloud.pcd");
+  saveOctomap(folder + "/map.ot");
+  saveBinaryOctree(served_.voxels, folder + "/map.bt");
+  const OccupancyGrid grid = projectedMap(SE3::Identity());
+  if (!grid.cells.empty()) writeGrid(grid, folder + "/grid");
+}
+
+void DenseMapper::clearBox(const Eigen::AlignedBox3d& box_m) {
+  finish();
+  for (auto& [id, kept] : keyframes_) {
+    const SE3& T_world_camera = kept.T_world_camera;
+    std::vector<LabelledPoint>& points = kept.cloud.points;
+    const auto inside = [&](const LabelledPoint& point) { return box_m.contains(T_world_camera * point.position()); };
+    points.erase(std::remove_if(points.begin(), points.end(), inside), points.end());
+  }
+  next_.emplace(Version{VoxelMap(config_.voxels), {}});
+  finish();
+}
 
 void DenseMapper::clear() {
   keyframes_.clear();

@@ -59,14 +59,20 @@ class DenseMapper {
   /// Heights are counted from the floor that the map shows, see floorOf(); what it finds is said once in the log.
   /// @param T_map_world  into a frame with z up
   OccupancyGrid projectedMap(const SE3& T_map_world) const;
+  std::vector<OctreeLeaf> octreeLeaves() const { return semantic_vslam::octreeLeaves(served_.voxels); }
   OctreeMessage binaryOctree() const { return semantic_vslam::binaryOctree(served_.voxels); }
   OctreeMessage fullOctree() const { return semantic_vslam::fullOctree(served_.voxels); }
 
   /// Each writes the file whole or not at all. @throws FileError naming path and cause.
   void saveCloud(const std::string& path) const;
   void saveOctomap(const std::string& path) const;
+  /// cloud.pcd, map.ot, map.bt and, where the grid has cells, grid.pgm and grid.yaml, of a world whose z is up.
+  /// @throws FileError naming path and cause
+  void saveForOthers(const std::string& folder) const;
 
   void clear();
+  /// Forgets what the keyframes so far saw in a box of the world, metres; builds the map anew.
+  void clearBox(const Eigen::AlignedBox3d& box_m);
 
   /// All keyframes as they stand, to be saved. @param map_id  goes along
   DenseMapContent content(std::uint32_t map_id) const;

@@ -3,6 +3,7 @@
 #include "core/dense/octomap_export.h"
 
 #include <octomap/ColorOcTree.h>
+#include <octomap/OcTree.h>
 
 #include <sstream>
 
@@ -45,14 +46,18 @@ OctreeMessage toMessage(const std::ostringstream& stream, double resolution_m) {
   return message;
 }
 
-}  // namespace
-
-OctreeMessage binaryOctree(const VoxelMap& map) {
+void writeBinaryData(const VoxelMap& map, std::ostream& stream) {
   octomap::ColorOcTree tree = makeOctree(map);
   tree.toMaxLikelihood();  // the two-bit stream holds only leaves that are surely free or occupied
   tree.prune();
-  std::ostringstream stream;
   tree.writeBinaryData(stream);
+}
+
+}  // namespace
+
+OctreeMessage binaryOctree(const VoxelMap& map) {
+  std::ostringstream stream;
+  writeBinaryData(map, stream);
   OctreeMessage message = toMessage(stream, map.resolution());
   message.binary = true;
   message.id = "OcTree";  // its two-bit stream is the same, and every reader knows it
@@ -66,6 +71,30 @@ OctreeMessage fullOctree(const VoxelMap& map) {
   OctreeMessage message = toMessage(stream, map.resolution());
   message.id = tree.getTreeType();
   return message;
+}
+
+std::vector<OctreeLeaf> octreeLeaves(const VoxelMap& map) {
+  std::vector<OctreeLeaf> leaves;
+  const octomap::ColorOcTree tree = makeOctree(map);
+  for (auto node = tree.begin_leafs(); node != tree.end_leafs(); ++node) {
+    const octomap::ColorOcTreeNode::Color color = node->getColor();
+    const bool occupied = tree.isNodeOccupied(*node);
+    leaves.push_back({{node.getX(), node.getY(), node.getZ()},
+                      node.getSize(),
+                      occupied,
+                      occupied ? cv::Vec3b(color.b, color.g, color.r) : cv::Vec3b()});
+  }
+  return leaves;
+}
+
+void saveBinaryOctree(const VoxelMap& map, const std::string& path) {
+  std::stringstream data;
+  writeBinaryData(map, data);
+  octomap::OcTree tree(map.resolution());
+  if (data.tellp() > 0) tree.readBinaryData(data);
+  std::ostringstream file;
+  tree.writeBinaryConst(file);
+  writeTextAtomically(path, file.str());
 }
 
 void saveOctree(const VoxelMap& map, const std::string& path) {

@@ -19,6 +19,18 @@ OctreeMessage binaryOctree(const VoxelMap& map);
 /// With log-odds and colour: octomap_msgs' fullMapToMsg of a ColorOcTree.
 OctreeMessage fullOctree(const VoxelMap& map);
 
+/// A node without children of the pruned tree: a cube of one state.
+struct OctreeLeaf {
+  Eigen::Vector3d centre_m;
+  double size_m = 0.0;  ///< of an edge: the resolution times a power of two
+  bool occupied = false;
+  cv::Vec3b bgr;  ///< black where it is free
+};
+/// In a fixed order.
+std::vector<OctreeLeaf> octreeLeaves(const VoxelMap& map);
+
+/// Writes what binaryOctree() holds as a .bt file, whole or not at all. @throws FileError naming path and cause.
+void saveBinaryOctree(const VoxelMap& map, const std::string& path);
 /// Writes the ColorOcTree as an .ot file, whole or not at all. @throws FileError naming path and cause.
 void saveOctree(const VoxelMap& map, const std::string& path);
 

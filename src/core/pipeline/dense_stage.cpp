@@ -148,6 +148,8 @@ void DenseStage::clear() {
   inside_->poses = poses;
 }
 
+void DenseStage::clearBox(const Eigen::AlignedBox3d& box_m) { inside_->mapper->clearBox(box_m); }
+
 void DenseStage::save(const std::string& path) const {
   if (inside_->mapper->keyframes() == 0) throw Error("the dense map is empty; '" + path + "' is not touched");
   writeTextAtomically(path, serializeDenseMap(inside_->mapper->content(inside_->map_id.value_or(0))));

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -40,6 +41,8 @@ class DenseStage {
   /// Notices and poses may come in no order: what still comes of a map that was left is not the newest.
   bool isOfNewestMap(std::uint32_t map_id);
   void clear();
+  /// See DenseMapper.
+  void clearBox(const Eigen::AlignedBox3d& box_m);
   /// Writes all that the map is made from, whole or not at all; `saved` is to find it again.
   /// @throws Error if it is empty: the file stays as it is  @throws FileError
   void save(const std::string& path) const;

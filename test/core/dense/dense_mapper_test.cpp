@@ -306,6 +306,25 @@ TEST(DenseMapper, ClearForgetsEverything) {
   EXPECT_TRUE(addWall(mapper, 0, SE3::Identity()));
 }
 
+TEST(DenseMapper, ABoxIsForgottenForGoodUntilItIsSeenAgain) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  addWall(mapper, 0, translated(1.0, 0, 0));
+  const std::size_t before = mapper.cloud().size();
+  mapper.clearBox({Eigen::Vector3d(-5.0, -5.0, 0.0), Eigen::Vector3d(1.0, 5.0, 5.0)});
+  const auto only_right_half = [&] {
+    for (const LabelledPoint& point : mapper.cloud()) EXPECT_GT(point.xyz_m[0], 0.95F);
+    EXPECT_NEAR(static_cast<double>(mapper.cloud().size()), static_cast<double>(before) / 2.0, 150.0);
+    EXPECT_NE(mapper.voxelMap().voxelAt({0.5, 0.0, 2.02}).state, Occupancy::kOccupied);
+  };
+  only_right_half();
+  mapper.updatePoses({{KeyframeId(0), Stamp(), translated(1.0, 0, 1.0)}});
+  mapper.finish();
+  EXPECT_EQ(mapper.rebuilds(), 2U);
+  only_right_half();
+  addWall(mapper, 1, translated(1.0, 0, 1.0));
+  EXPECT_GT(mapper.cloud().size(), before * 9 / 10);
+}
+
 TEST(DenseMapper, SavingToAPathThatCannotBeWrittenNamesItAndKeepsTheMap) {
   DenseMapper mapper(smallConfig(), threeLabels());
   addWall(mapper, 0, SE3::Identity());

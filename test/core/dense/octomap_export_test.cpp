@@ -69,6 +69,33 @@ TEST(OctomapExport, BinaryMessageIsWhatAnOcTreeReads) {
   expectSame(map, tree);
 }
 
+TEST(OctomapExport, BinaryFileIsReadByStockOctomap) {
+  const std::string path = testing::TempDir() + "semantic_octree_test.bt";
+  const VoxelMap map = wallMap();
+  saveBinaryOctree(map, path);
+  octomap::OcTree tree(1.0);
+  ASSERT_TRUE(tree.readBinary(path));
+  EXPECT_DOUBLE_EQ(tree.getResolution(), 0.1);
+  expectSame(map, tree);
+  saveBinaryOctree(VoxelMap(VoxelMapConfig()), path);
+  ASSERT_TRUE(tree.readBinary(path));
+  EXPECT_EQ(tree.size(), 0U);
+  std::remove(path.c_str());
+}
+
+TEST(OctomapExport, LeavesFillTheKnownSpaceOnce) {
+  const VoxelMap map = wallMap();
+  const double voxel_m3 = 0.1 * 0.1 * 0.1;
+  double volume_m3 = 0.0;
+  for (const OctreeLeaf& leaf : octreeLeaves(map)) {
+    volume_m3 += leaf.size_m * leaf.size_m * leaf.size_m;
+    const Voxel middle = map.voxelAt(leaf.centre_m - Eigen::Vector3d::Constant(0.01));
+    EXPECT_EQ(leaf.occupied, middle.state == Occupancy::kOccupied);
+    EXPECT_EQ(leaf.bgr, leaf.occupied ? cv::Vec3b(0, 0, 200) : cv::Vec3b());
+  }
+  EXPECT_NEAR(volume_m3, voxel_m3 * static_cast<double>(map.size()), voxel_m3 / 2.0);
+}
+
 TEST(OctomapExport, FullMessageIsWhatAColorOcTreeReads) {
   const VoxelMap map = wallMap();
   const OctreeMessage message = fullOctree(map);

@@ -31,7 +31,7 @@ inline bool inVoxelRange(const Eigen::Vector3i& index) {
 inline VoxelKey voxelKey(const Eigen::Vector3i& index) {
   VoxelKey block = 0, local = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto shifted = static_cast<VoxelKey>(index[axis] + kVoxelRange);
+    const auto shifted = static_cast<VoxelKey>(std::int64_t{index[axis]} + kVoxelRange);
     block = (block << (21 - kBlockBits)) | (shifted >> kBlockBits);
     local = (local << kBlockBits) | (shifted & (kBlockSide - 1));
   }

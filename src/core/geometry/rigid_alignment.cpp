@@ -35,7 +35,7 @@ PointAlignment alignPoints(const std::vector<Eigen::Vector3d>& source, const std
   if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) sign.z() = -1.0;
 
   PointAlignment alignment;
-  const Eigen::Vector3d spread = svd.singularValues();
+  const Eigen::Vector3d& spread = svd.singularValues();
   alignment.rotation_determined = spread[0] > 0.0 && spread[1] > kLineRatio * kLineRatio * spread[0];
   if (with_scale && source_variance > 0.0) alignment.scale = spread.dot(sign) / source_variance;   // eq. (42)
   const Eigen::Matrix3d rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();  // eq. (40)

@@ -40,6 +40,9 @@ constexpr std::size_t kTriedStarts = 3;
 constexpr double kSameStart = 0.008;  // metres and radians together: nearer starts end at one motion
 constexpr double kDrawnWidening[] = {1.5, 1.0, 1.0};
 constexpr double kClearlyMore = 1.25;
+// A motion explains two thirds of the weight of its own points, for the noise in the three residuals of each: where one explains more than this
+// share of all surface, none can explain kClearlyMore times as much.
+constexpr double kBeyondRivals = 0.3;
 // From this distance on somebody fills less than a tenth of the view, and depth tells little: it counts as this far.
 constexpr float kFarM = 3.0F;
 
@@ -291,8 +294,10 @@ CameraMotion estimateCameraMotion(const std::vector<FlowPoint>& points, const Wo
       normal = other_normal;
     };
     consider(SE3::Identity(), kWidening, 1.0);
-    for (const SE3& start : drawStarts(points, T_previous_current_predicted, noise)) {
-      consider(start, kDrawnWidening, kClearlyMore);
+    if (most < kBeyondRivals) {
+      for (const SE3& start : drawStarts(points, T_previous_current_predicted, noise)) {
+        consider(start, kDrawnWidening, kClearlyMore);
+      }
     }
   }
   // Blur, exposure and depth that lags behind colour widen the flow's spread: this frame's own is what residuals mean.

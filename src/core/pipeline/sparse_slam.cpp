@@ -46,6 +46,12 @@ SparseStep SparseSlam::step(const RgbdFrame& frame, const cv::Mat1b& dynamic, St
   return step;
 }
 
+/// Between the first and the last keyframe.
+static double secondsMapped(const Map& map) {
+  if (map.keyframes().empty()) return 0.0;
+  return std::abs(secondsBetween(map.keyframes().begin()->second.stamp, map.keyframes().rbegin()->second.stamp));
+}
+
 SparseStep SparseSlam::track(const TrackedFrame& frame, const TrackOptions& options) {
   SparseStep step;
   const KeyframeId world = state_.map.worldRoot();
@@ -57,7 +63,7 @@ SparseStep SparseSlam::track(const TrackedFrame& frame, const TrackOptions& opti
   }
   findAgain(frame, options, step.tracking);
   if (step.tracking.state == TrackingState::kLost && !options.localization_only) {
-    step.tracking.first_frame = state_.tracker.offerForNewMap(frame);
+    step.tracking.first_frame = state_.tracker.offerForNewMap(frame, secondsMapped(state_.map));
   }
   if (step.tracking.first_frame && !options.localization_only) {
     if (!state_.map.keyframes().empty()) {

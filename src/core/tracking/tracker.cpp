@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/tracking/tracker.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "semantic_vslam/core/common/config_fields.h"
@@ -64,8 +65,10 @@ TrackingResult Tracker::initialise(TrackedFrame frame) {
   return result;
 }
 
-std::optional<TrackedFrame> Tracker::offerForNewMap(TrackedFrame frame) {
-  if (!lost_since_ || secondsBetween(*lost_since_, frame.stamp) < config_.new_map_after_s) return std::nullopt;
+std::optional<TrackedFrame> Tracker::offerForNewMap(TrackedFrame frame, double mapped_s) {
+  constexpr double kLeastPatienceS = 1.0;  // who passes close by covers the view for so long
+  const double patience_s = std::min(config_.new_map_after_s, std::max(kLeastPatienceS, mapped_s));
+  if (!lost_since_ || secondsBetween(*lost_since_, frame.stamp) < patience_s) return std::nullopt;
   return initializer_.offer(frame);
 }
 

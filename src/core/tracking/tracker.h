@@ -44,9 +44,11 @@ class Tracker {
   /// The frame just tracked is now this keyframe; the landmarks that were made of it are taken over.
   void keyframeInserted(const Map& map, KeyframeId id);
   /// To be called with frames that tracking and relocalisation have both failed on.
+  /// @param mapped_s  the time that went into the map: so long its place is waited for, but 1 s at least and
+  /// new_map_after_s at most
   /// @return k1 of a new map, at its origin, if the camera has been lost for long enough and this frame completes a
   /// pair
-  std::optional<TrackedFrame> offerForNewMap(TrackedFrame frame);
+  std::optional<TrackedFrame> offerForNewMap(TrackedFrame frame, double mapped_s);
   /// Goes on from a frame whose pose and landmarks are known: k1 of the initialisation, or one found by relocalisation.
   void startFrom(TrackedFrame frame, KeyframeId reference);
   /// The map was corrected: the last frame goes with its reference keyframe.

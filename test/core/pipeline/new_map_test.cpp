@@ -23,7 +23,8 @@ Scenario turningCamera() {
 /// The camera turns from A towards B, is carried off to B at once, and turns back to A.
 class Kidnap {
  public:
-  Kidnap() : room_(turningCamera(), quarterVga()), slam_(config()) {}
+  explicit Kidnap(double new_map_after_s = 0.3)
+      : room_(turningCamera(), quarterVga()), slam_(config(new_map_after_s)) {}
 
   /// Turns between two times of the path, either way.
   /// @return state of the last frame
@@ -54,10 +55,10 @@ class Kidnap {
   std::size_t frames() const { return truth_.size(); }
 
  private:
-  static SparseSlamConfig config() {
+  static SparseSlamConfig config(double new_map_after_s) {
     SparseSlamConfig config;
     config.tracking.recently_lost_s = 0.2;
-    config.tracking.new_map_after_s = 0.3;
+    config.tracking.new_map_after_s = new_map_after_s;
     config.tracking.frame.sensor.close_baselines = 60;  // the walls are more than 3 m away
     return config;
   }
@@ -125,6 +126,16 @@ TEST(NewMap, IsNotBegunInLocalisationOnlyMode) {
   kidnap.setLocalizationOnly(true);
   EXPECT_EQ(kidnap.turn(6.0, 5.0), TrackingState::kLost);
   EXPECT_EQ(kidnap.slam().keyframeCount(), keyframes);
+}
+
+TEST(NewMap, IsBegunAsSoonAsWaitingTookAsLongAsTheOldOne) {
+  Kidnap kidnap(5.0);
+  ASSERT_EQ(kidnap.turn(0.0, 1.5), TrackingState::kOk);
+  const std::size_t world = kidnap.slam().keyframeCount();
+  EXPECT_EQ(kidnap.turn(6.0, 5.1), TrackingState::kLost);
+  EXPECT_EQ(kidnap.slam().keyframeCount(), world) << "nothing before";
+  EXPECT_EQ(kidnap.turn(5.1, 4.2), TrackingState::kOk);
+  EXPECT_EQ(kidnap.newWorlds(), 1);
 }
 
 TEST(NewMap, TakesThePlaceOfAWorldThatIsTooSmallToBeFoundAgain) {

@@ -104,7 +104,8 @@ struct TrackerConfig {
             "velocity for about a second at best");
     v.field("new_map_after_s", new_map_after_s, 0.0, 1e6,
             "after this long without finding its place the camera begins a new map, which is joined with the old one "
-            "when a known place is seen again; covered lenses and passers-by are mostly gone by then");
+            "when a known place is seen again; covered lenses and passers-by are mostly gone by then. A map that took "
+            "less time to make is waited for no longer than that, but 1 s");
     v.group("orb", orb);
     v.group("initializer", initializer);
     v.group("frame", frame);

@@ -12,7 +12,9 @@
 #include <filesystem>
 #include <set>
 
+#include "core/common/input_file.h"
 #include "core/io/stamp_association.h"
+#include "ros/bag_records.h"
 #include "ros/conversions.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/log.h"
@@ -29,26 +31,6 @@ Stamp headerStamp(const rosbag::MessageInstance& message, std::vector<std::uint8
   std_msgs::Header header;
   ros::serialization::deserialize(in, header);
   return fromRos(header.stamp.isZero() ? message.getTime() : header.stamp);
-}
-
-struct StampedMessages {
-  std::vector<rosbag::MessageInstance> messages;
-  std::vector<Stamp> stamps;
-};
-
-StampedMessages readStamps(const rosbag::Bag& bag, const std::string& topic) {
-  StampedMessages out;
-  std::vector<std::uint8_t> buffer;
-  rosbag::View view(bag, rosbag::TopicQuery(topic));
-  for (const rosbag::MessageInstance& message : view) {
-    if (!message.isType<sensor_msgs::Image>()) {
-      throw FileError("topic '" + topic + "' holds " + message.getDataType() +
-                      ", must be sensor_msgs/Image (compressed images: image_transport republish first)");
-    }
-    out.messages.push_back(message);
-    out.stamps.push_back(headerStamp(message, buffer));
-  }
-  return out;
 }
 
 /// Topics with images, for the message that none is known: "/a (sensor_msgs/Image), ...".
@@ -70,19 +52,6 @@ bool isUncalibratedDefault(const CameraIntrinsics& k) {
   return undistorted && k.fx == 525.0 && k.fy == 525.0 && k.cx == 319.5 && k.cy == 239.5;
 }
 
-/// True poses of a recording that keeps them off /tf; empty if it has none.
-std::vector<TimedPose> readPoseMessages(const rosbag::Bag& bag) {
-  std::vector<TimedPose> poses;
-  rosbag::View view(bag, rosbag::TopicQuery(kPoseTopic));
-  for (const rosbag::MessageInstance& message : view) {
-    const auto pose = message.instantiate<geometry_msgs::PoseStamped>();
-    if (pose) poses.push_back({fromRos(pose->header.stamp), fromRos(pose->pose)});
-  }
-  std::stable_sort(poses.begin(), poses.end(),
-                   [](const TimedPose& a, const TimedPose& b) { return a.stamp < b.stamp; });
-  return poses;
-}
-
 sensor_msgs::ImageConstPtr image(const rosbag::MessageInstance& message) {
   const sensor_msgs::ImageConstPtr out = message.instantiate<sensor_msgs::Image>();
   if (!out) throw FileError("message of '" + message.getTopic() + "' is no image");
@@ -99,7 +68,7 @@ BagSource::BagSource(const std::string& path, std::shared_ptr<const CameraModel>
     pairImages();
     if (!camera_) readCamera();
     const auto first = image(rgb_messages_[pairs_.front().rgb]);
-    ground_truth_ = readPoseMessages(bag_);
+    ground_truth_ = readPoseMessages();
     if (ground_truth_.empty()) ground_truth_ = readTfChain(bag_, kTumWorldFrame, first->header.frame_id);
   } catch (const Error&) {
     throw;
@@ -110,6 +79,8 @@ BagSource::BagSource(const std::string& path, std::shared_ptr<const CameraModel>
 
 void BagSource::open() {
   if (!std::filesystem::exists(path_)) throw FileError("bag '" + path_ + "' does not exist");
+  requireRegularFile("bag", path_);
+  checkBagRecords(path_);
   try {
     bag_.open(path_, rosbag::bagmode::Read);
   } catch (const rosbag::BagUnindexedException&) {
@@ -139,8 +110,39 @@ void BagSource::chooseTopics(const RecordingTopics& wanted) {
   throw FileError("bag '" + path_ + "' has " + asked + "; its image topics: " + imageTopics(connections));
 }
 
+BagSource::StampedMessages BagSource::readStamps(const std::string& topic) const {
+  StampedMessages out;
+  std::vector<std::uint8_t> buffer;
+  const std::size_t left_out = forEachMessage(bag_, {topic}, [&](const rosbag::MessageInstance& message) {
+    if (!message.isType<sensor_msgs::Image>()) {
+      throw FileError("topic '" + topic + "' holds " + message.getDataType() +
+                      ", must be sensor_msgs/Image (compressed images: image_transport republish first)");
+    }
+    const Stamp stamp = headerStamp(message, buffer);
+    out.messages.push_back(message);
+    out.stamps.push_back(stamp);
+  });
+  if (left_out > 0) {
+    logWarning("bag '" + path_ + "' is damaged: " + std::to_string(left_out) + " of " +
+               std::to_string(left_out + out.stamps.size()) + " images of '" + topic + "' cannot be read");
+  }
+  return out;
+}
+
+/// True poses of a recording that keeps them off /tf; empty if it has none.
+std::vector<TimedPose> BagSource::readPoseMessages() const {
+  std::vector<TimedPose> poses;
+  forEachMessage(bag_, {kPoseTopic}, [&](const rosbag::MessageInstance& message) {
+    const auto pose = message.instantiate<geometry_msgs::PoseStamped>();
+    if (pose) poses.push_back({fromRos(pose->header.stamp), fromRos(pose->pose)});
+  });
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const TimedPose& a, const TimedPose& b) { return a.stamp < b.stamp; });
+  return poses;
+}
+
 void BagSource::pairImages() {
-  StampedMessages rgb = readStamps(bag_, topics_.colour), depth = readStamps(bag_, topics_.depth);
+  StampedMessages rgb = readStamps(topics_.colour), depth = readStamps(topics_.depth);
   for (const auto& [i, j] : associateStamps(rgb.stamps, depth.stamps, kAssociationGapS)) {
     pairs_.push_back({rgb.stamps[i], i, j});
   }
@@ -152,15 +154,14 @@ void BagSource::pairImages() {
                    [](const Pair& a, const Pair& b) { return a.rgb_stamp < b.rgb_stamp; });
   rgb_messages_ = std::move(rgb.messages);  // moved, as a MessageInstance cannot be assigned
   depth_messages_ = std::move(depth.messages);
-  const StampedMessages masks = readStamps(bag_, kMaskTopic);
+  const StampedMessages masks = readStamps(kMaskTopic);
   for (std::size_t i = 0; i < masks.stamps.size(); ++i) mask_messages_.emplace(masks.stamps[i], masks.messages[i]);
 }
 
 void BagSource::readCamera() {
-  rosbag::View view(bag_, rosbag::TopicQuery(topics_.camera_info));
-  for (const rosbag::MessageInstance& message : view) {
-    const auto info = message.instantiate<sensor_msgs::CameraInfo>();
-    if (!info) continue;
+  forEachMessage(bag_, {topics_.camera_info}, [&](const rosbag::MessageInstance& message) {
+    const auto info = camera_ ? nullptr : message.instantiate<sensor_msgs::CameraInfo>();
+    if (!info) return;
     try {
       const CameraIntrinsics intrinsics = fromRos(*info, topics_.rectified());
       if (isUncalibratedDefault(intrinsics)) {
@@ -172,9 +173,10 @@ void BagSource::readCamera() {
     } catch (const Error& error) {
       throw FileError("bag '" + path_ + "', '" + topics_.camera_info + "': " + error.what());
     }
-    return;
+  });
+  if (!camera_) {
+    throw FileError("bag '" + path_ + "' has no camera_info on '" + topics_.camera_info + "'; give a camera file");
   }
-  throw FileError("bag '" + path_ + "' has no camera_info on '" + topics_.camera_info + "'; give a camera file");
 }
 
 std::optional<RgbdFrame> BagSource::next() {

@@ -43,10 +43,17 @@ class BagSource : public FrameSource {
     std::size_t rgb, depth;  // indices into the messages
   };
 
+  struct StampedMessages {
+    std::vector<rosbag::MessageInstance> messages;
+    std::vector<Stamp> stamps;
+  };
+
   void open();
+  StampedMessages readStamps(const std::string& topic) const;
   void chooseTopics(const RecordingTopics& wanted);
   void pairImages();
   void readCamera();
+  std::vector<TimedPose> readPoseMessages() const;
   RgbdFrame read(std::size_t index) const;
 
   std::string path_;
@@ -64,6 +71,7 @@ class BagSource : public FrameSource {
 /// The tf chain from one frame up to another, sampled whenever its most frequent edge was sent.
 /// @param root, leaf  frame names, with or without a leading slash
 /// @return T_root_leaf over time; empty if the bag has no such chain.
+/// Messages in damaged chunks are left out.
 std::vector<TimedPose> readTfChain(const rosbag::Bag& bag, const std::string& root, const std::string& leaf);
 
 }  // namespace semantic_vslam

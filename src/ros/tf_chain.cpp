@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <rosbag/view.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "ros/bag_records.h"
 #include "ros/bag_source.h"
 #include "ros/conversions.h"
 
@@ -25,10 +25,9 @@ using Edges = std::unordered_map<std::string, Edge>;  // by child
 /// @note tf2_msgs/TFMessage has the fields and the MD5 sum of the old tf/tfMessage, so this reads both.
 Edges readEdges(const rosbag::Bag& bag) {
   Edges edges;
-  rosbag::View view(bag, rosbag::TopicQuery(std::vector<std::string>{"/tf", "/tf_static"}));
-  for (const rosbag::MessageInstance& instance : view) {
+  forEachMessage(bag, {"/tf", "/tf_static"}, [&](const rosbag::MessageInstance& instance) {
     const auto message = instance.instantiate<tf2_msgs::TFMessage>();
-    if (!message) continue;
+    if (!message) return;
     for (const auto& transform : message->transforms) {
       const std::string parent = frameName(transform.header.frame_id);
       Edge& edge = edges[frameName(transform.child_frame_id)];
@@ -36,7 +35,7 @@ Edges readEdges(const rosbag::Bag& bag) {
       if (edge.parent != parent) continue;  // a second parent is no tree; the first one counts
       edge.T_parent_child.push_back({fromRos(transform.header.stamp), fromRos(transform.transform)});
     }
-  }
+  });
   for (auto& [child, edge] : edges) {
     std::stable_sort(edge.T_parent_child.begin(), edge.T_parent_child.end(),
                      [](const TimedPose& a, const TimedPose& b) { return a.stamp < b.stamp; });

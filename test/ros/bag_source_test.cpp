@@ -10,6 +10,8 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <random>
 
 #include "ros/conversions.h"
 #include "ros/recording_bag.h"
@@ -183,6 +185,66 @@ TEST_F(BagSourceTest, MissingTruncatedAndForeignFilesAreNamed) {
   expectOpenError({"recording.bag"});
   fs::resize_file(path_, 5000);
   expectOpenError({"recording.bag"});
+}
+
+TEST_F(BagSourceTest, ADamagedChunkCostsItsOwnMessages) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    bag.setCompression(rosbag::compression::LZ4);
+    bag.setChunkThreshold(20'000);  // a few images
+    sensor_msgs::CameraInfo info;
+    info.width = static_cast<std::uint32_t>(kSize.width);
+    info.height = static_cast<std::uint32_t>(kSize.height);
+    info.K = {100, 0, 16, 0, 100, 12, 0, 0, 1};
+    info.distortion_model = "plumb_bob";
+    info.D.resize(5);
+    std::mt19937 noise(1);
+    for (int i = 0; i < 30; ++i) {
+      auto colour = image(atMs(100 * i), "rgb8", 3), depth = image(atMs(100 * i), "16UC1", 2);
+      for (auto* bytes : {&colour.data, &depth.data}) {
+        for (std::uint8_t& byte : *bytes) byte = static_cast<std::uint8_t>(noise());
+      }
+      bag.write("/camera/rgb/camera_info", toRos(atMs(100 * i)), info);
+      bag.write("/camera/rgb/image_color", toRos(atMs(100 * i)), colour);
+      bag.write("/camera/depth/image", toRos(atMs(100 * i)), depth);
+    }
+  }
+  {
+    std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+    const auto middle = static_cast<std::streamoff>(fs::file_size(path_) / 2);
+    file.seekg(middle);
+    const char flipped = static_cast<char>(file.get() ^ 0x10);
+    file.seekp(middle);
+    file.put(flipped);
+  }
+  BagSource bag(path_, nullptr);
+  std::size_t frames = 0;
+  while (bag.next()) ++frames;
+  EXPECT_GE(frames, 20U);
+  EXPECT_LT(frames, 30U);
+  ASSERT_FALSE(messages_.empty());
+  EXPECT_NE(messages_[0].find("is damaged"), std::string::npos) << messages_[0];
+}
+
+TEST_F(BagSourceTest, ALengthThatLeadsOutOfTheBagIsRefusedBeforeMemoryIsTaken) {
+  writeRecording();
+  const auto size = static_cast<std::streamoff>(fs::file_size(path_));
+  // The first record's header and data, and what follows the 4096 bytes that a bag begins with.
+  for (const std::streamoff at : {13, 13 + 4096 + 8, 13 + 4096 + 8 + 4}) {
+    ASSERT_LT(at, size);
+    std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+    char kept[4];
+    file.seekg(at);
+    file.read(kept, 4);
+    file.seekp(at);
+    file.write("\xff\xff\xff\xff", 4);
+    file.close();
+    expectOpenError({"recording.bag", "damaged"});
+    file.open(path_, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(at);
+    file.write(kept, 4);
+  }
+  EXPECT_NO_THROW(BagSource(path_, nullptr));
 }
 
 TEST_F(BagSourceTest, AbsentCameraInfoAsksForACameraFile) {

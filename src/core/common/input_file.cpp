@@ -51,6 +51,9 @@ class Check final : public YAML::EventHandler {
   void open(const YAML::Mark& mark, bool is_map) {
     constexpr std::size_t kDeepest = 50;
     if (levels_.size() == kDeepest) throw YAML::ParserException(mark, "nested too deeply");
+    if (!levels_.empty() && levels_.back().is_map && levels_.back().key_is_next) {
+      throw YAML::ParserException(mark, "a key must be a word");
+    }
     value(mark, "");
     levels_.push_back({is_map, true, {}});
   }

@@ -15,8 +15,8 @@ namespace semantic_vslam {
 /// @param what  e.g. "map file", for the message  @throws FileError naming path if it is a folder, pipe or device
 void requireRegularFile(const std::string& what, const std::string& path);
 
-/// Reads a YAML file written by hand. Aliases, which can refer to themselves or multiply to gigabytes, and keys that
-/// are said twice, of which one would be lost in silence, are refused.
+/// Reads a YAML file written by hand. Aliases, which can refer to themselves or multiply to gigabytes, keys that are
+/// said twice, of which one would be lost in silence, and keys that are no words are refused.
 /// @param what  e.g. "camera file", for the messages  @throws FileError naming path and line
 YAML::Node readYamlFile(const std::string& what, const std::string& path);
 

@@ -50,6 +50,7 @@ TEST(YamlFile, AKeyThatIsSaidTwiceIsNamed) {
   EXPECT_NE(errorOf("motion: {model: none}\nfrozen: 1\nmotion: {model: homography}\n").find("'motion' is said twice"),
             std::string::npos);
   EXPECT_NE(errorOf("motion:\n  model: none\n  model: homography\n").find("'model' is said twice"), std::string::npos);
+  EXPECT_NE(errorOf("motion: {[a, b]: none}\n").find("a key must be a word"), std::string::npos);
   EXPECT_EQ(errorOf("a: {x: 1}\nb: {x: 2}\nc: \nd: \"\"\n"), "no error")
       << "in other maps the same name is another key";
 }

@@ -21,7 +21,7 @@ log=$root/out/chroot/$suite.log
 mkdir -p "$(dirname "$log")" "$(dirname "$system")"
 : >"$log"
 
-release() { for place in dev/shm dev sys proc; do umount "$system/$place" 2>/dev/null || true; done; }
+release() { for place in dev/pts dev/shm dev sys proc; do umount "$system/$place" 2>/dev/null || true; done; }
 trap release EXIT
 release
 
@@ -41,6 +41,7 @@ cp -r /etc/apt/apt.conf.d/*proxy* "$system/etc/apt/apt.conf.d/" 2>/dev/null || t
 mount -t proc proc "$system/proc"
 mount -t sysfs sys "$system/sys"
 mount --bind /dev "$system/dev"
+mount --bind /dev/pts "$system/dev/pts"
 mount -t tmpfs shm "$system/dev/shm"
 
 rm -rf "$system/root/semantic_vslam"

@@ -24,7 +24,7 @@ try() {
   local name=$1 prefix=$2 path
   shift 2
   path=$prefix${CMAKE_PREFIX_PATH:+:$CMAKE_PREFIX_PATH}
-  quietly cmake -S "$repository/test/outside_package/$name" -B "$work/$name" "${options[@]}" "$@" "-DCMAKE_PREFIX_PATH=${path//:/;}"
+  quietly cmake -S "$repository/test/outside_package/$name" -B "$work/$name" -G Ninja "${options[@]}" "$@" "-DCMAKE_PREFIX_PATH=${path//:/;}"
   quietly cmake --build "$work/$name" --target outside
   "$(find "$work/$name" -name outside -type f)"
   echo "outside_package.sh: ok: $name"

@@ -116,6 +116,24 @@ std::array<double, 5> plumbBob(const sensor_msgs::CameraInfo& info) {
   return coefficients;
 }
 
+/// camera_info describes the whole sensor: the images may show a region of it, and several of its pixels as one.
+void takePartOfSensor(const sensor_msgs::CameraInfo& info, CameraIntrinsics& k) {
+  if (info.roi.width > 0 && info.roi.height > 0) {
+    k.width = cv::saturate_cast<int>(info.roi.width);
+    k.height = cv::saturate_cast<int>(info.roi.height);
+    k.cx -= info.roi.x_offset;
+    k.cy -= info.roi.y_offset;
+  }
+  const int across = std::max(1, cv::saturate_cast<int>(info.binning_x)),
+            down = std::max(1, cv::saturate_cast<int>(info.binning_y));
+  k.width /= across;
+  k.height /= down;
+  k.fx /= across;
+  k.cx /= across;
+  k.fy /= down;
+  k.cy /= down;
+}
+
 }  // namespace
 
 Stamp fromRos(const ros::Time& time) { return Stamp{static_cast<std::int64_t>(time.toNSec())}; }
@@ -196,6 +214,10 @@ CameraIntrinsics fromRos(const sensor_msgs::CameraInfo& info, bool rectified) {
   CameraIntrinsics k;
   k.width = cv::saturate_cast<int>(info.width);
   k.height = cv::saturate_cast<int>(info.height);
+  // Drivers that fill in one of the two alone have no distortion to tell them apart by.
+  const bool undistorted = std::all_of(info.D.begin(), info.D.end(), [](double d) { return d == 0.0; });
+  const bool only_k = info.P[0] == 0.0 && info.K[0] > 0.0, only_p = info.K[0] == 0.0 && info.P[0] > 0.0;
+  if (undistorted && (rectified ? only_k : only_p)) rectified = !rectified;
   if (rectified) {
     k.fx = info.P[0], k.fy = info.P[5], k.cx = info.P[2], k.cy = info.P[6];
   } else {
@@ -206,22 +228,25 @@ CameraIntrinsics fromRos(const sensor_msgs::CameraInfo& info, bool rectified) {
     throw Error(std::string("camera_info is uncalibrated (focal length in ") + (rectified ? "P" : "K") +
                 " is not positive); calibrate the camera or give a camera_file");
   }
+  takePartOfSensor(info, k);
   return k;
 }
 
 cv::Mat colourFromRos(const sensor_msgs::ImageConstPtr& message) {
   const std::string& encoding = message->encoding;
   if (encoding == encodings::BGR8 || encoding == encodings::MONO8) return share(message, encoding);
-  if (encoding == encodings::RGB8 || encoding == encodings::RGBA8 || encoding == encodings::BGRA8) {
-    return share(message, encodings::BGR8);  // converted
-  }
-  refuseEncoding("colour", *message, "rgb8, bgr8, rgba8, bgra8 or mono8");
+  if (encoding == encodings::TYPE_8UC3 || encoding == encodings::TYPE_8UC1) return share(message, encoding);
+  const bool converted = encoding == encodings::RGB8 || encoding == encodings::RGBA8 || encoding == encodings::BGRA8 ||
+                         encoding == encodings::YUV422 ||
+                         (encodings::isBayer(encoding) && encodings::bitDepth(encoding) == 8);
+  if (converted) return share(message, encodings::BGR8);
+  refuseEncoding("colour", *message, "rgb8, bgr8, rgba8, bgra8, mono8, 8UC3 (BGR), bayer_*8 or yuv422");
 }
 
 cv::Mat depthFromRos(const sensor_msgs::ImageConstPtr& message) {
   const std::string& encoding = message->encoding;
-  if (encoding != encodings::TYPE_32FC1 && encoding != encodings::TYPE_16UC1) {
-    refuseEncoding("depth", *message, "32FC1 (metres) or 16UC1 (millimetres)");
+  if (encoding != encodings::TYPE_32FC1 && encoding != encodings::TYPE_16UC1 && encoding != encodings::MONO16) {
+    refuseEncoding("depth", *message, "32FC1 (metres), 16UC1 or mono16 (millimetres)");
   }
   return share(message, encoding);
 }

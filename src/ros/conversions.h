@@ -59,20 +59,21 @@ std::string frameName(const std::string& frame_id);
 /// @param T_camera_body  where the body is; its lever arm turns rotation into position
 boost::array<double, 36> bodyCovariance(const Matrix6d& covariance, const SE3& T_map_camera, const SE3& T_camera_body);
 
-/// @param rectified  true: the images are rectified, so P holds and there is no distortion; false: K and D hold.
+/// @param rectified  true: the images are rectified, so P holds and there is no distortion; false: K and D hold. Where
+/// D is zero and only one of P and K is filled in, that one holds.
 /// @throws Error if the camera is uncalibrated or its distortion model is not plumb_bob.
 CameraIntrinsics fromRos(const sensor_msgs::CameraInfo& info, bool rectified);
 
 // An image that needs no conversion is not copied: it shows the message's memory, keeps the message alive, and must not
 // be written to.
 
-/// @param message bgr8, rgb8, bgra8, rgba8 or mono8. @return 8UC3 BGR or 8UC1.
+/// @param message bgr8, rgb8, bgra8, rgba8, mono8, 8UC3 (BGR), 8UC1, bayer_*8 or yuv422. @return 8UC3 BGR or 8UC1.
 /// @throws Error naming the encoding, or what is wrong with the image.
 cv::Mat colourFromRos(const sensor_msgs::ImageConstPtr& message);
 
 constexpr double kMetresPerMillimetre = 0.001;  ///< REP 118: 16UC1 depth is in millimetres
 
-/// @param message 32FC1 (metres) or 16UC1 (millimetres), REP 118.
+/// @param message 32FC1 (metres), 16UC1 or mono16 (millimetres), REP 118.
 /// @throws Error naming the encoding, or what is wrong with the image.
 cv::Mat depthFromRos(const sensor_msgs::ImageConstPtr& message);
 

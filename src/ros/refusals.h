@@ -34,9 +34,12 @@ class Refusals {
   /// For what is wrong without an exception.
   void refuse(const std::string& topic, const std::string& reason) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    ++count_;
-    last_ = topic + " refused: " + printable(reason);
-    if (throttle_.passes(last_)) ROS_ERROR("%s", last_.c_str());
+    if (say(topic + " refused: " + printable(reason))) ROS_ERROR("%s", last_.c_str());
+  }
+  /// For what is used, though it can hardly be meant.
+  void doubt(const std::string& topic, const std::string& reason) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (say(topic + " is doubtful: " + printable(reason))) ROS_WARN("%s", last_.c_str());
   }
 
   std::size_t count() const {
@@ -50,6 +53,12 @@ class Refusals {
   }
 
  private:
+  bool say(const std::string& what) {
+    ++count_;
+    last_ = what;
+    return throttle_.passes(last_);
+  }
+
   mutable std::mutex mutex_;
   std::size_t count_ = 0;  // guarded by mutex_, as all
   std::string last_;

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ros/rgbd_converter.h"
 
+#include <sensor_msgs/image_encodings.h>
 #include <algorithm>
 #include <boost/weak_ptr.hpp>
 #include <map>
+
 #include <utility>
 
 #include "ros/conversions.h"
@@ -97,7 +99,41 @@ void RgbdConverter::convert(Conversion& conversion) {
     conversion.frame = makeRgbdFrame(messages.index, fromRos(messages.rgb->header.stamp), colourFromRos(messages.rgb),
                                      depthFromRos(messages.depth), kMetresPerMillimetre, camera);
     conversion.frame->sensor_frame = messages.rgb->header.frame_id;
+    doubt(messages, *conversion.frame);
   });
+}
+
+/// What a driver or bag that is set up wrongly gives: said, since nothing else would tell.
+void RgbdConverter::doubt(const RgbdMessages& messages, const RgbdFrame& frame) {
+  constexpr int kStepPx = 16, kLongWithout = 10;  // a passer-by or a hand covers the camera for some frames
+  constexpr double kLeastShare = 0.01, kFarM = 10.0;
+  int looked_at = 0, known = 0, far = 0;
+  for (int y = kStepPx / 2; y < frame.depth_m.rows; y += kStepPx) {
+    for (int x = kStepPx / 2; x < frame.depth_m.cols; x += kStepPx, ++looked_at) {
+      if (frame.depth_m(y, x) > 0.0F) ++known;
+      if (frame.depth_m(y, x) > kFarM) ++far;
+    }
+  }
+  const bool metres = messages.depth->encoding == sensor_msgs::image_encodings::TYPE_32FC1;
+  without_depth_ = known < kLeastShare * looked_at ? without_depth_ + 1 : 0;
+  if (without_depth_ >= kLongWithout) {
+    doubts_.doubt("depth",
+                  std::string("for ") + std::to_string(kLongWithout) +
+                      " images next to no pixel has a depth up to 20 m; is it " +
+                      (metres ? "32FC1 in millimetres (it must be metres)" : "16UC1 in another unit than millimetres") +
+                      ", or is the depth camera covered?");
+  } else if (far > known / 2) {
+    doubts_.doubt("depth", std::string("most of it lies beyond 10 m, where no depth camera sees; ") +
+                               (metres ? "32FC1 must be in metres"
+                                       : "16UC1 must be in millimetres (TUM's files count 1/5000 m)"));
+  }
+  if (messages.rgb->header.frame_id.empty()) {
+    doubts_.doubt("colour", "its frame_id is empty, so that tf cannot tell where the camera is; set it in the driver");
+  } else if (frameName(messages.rgb->header.frame_id) != frameName(messages.depth->header.frame_id)) {
+    doubts_.doubt("depth", "its frame_id is '" + messages.depth->header.frame_id + "', that of colour '" +
+                               messages.rgb->header.frame_id +
+                               "': it must be registered to colour (align_depth:=true, or depth_registered)");
+  }
 }
 
 std::shared_ptr<const CameraModel> RgbdConverter::cameraFor(const sensor_msgs::CameraInfoConstPtr& info) {

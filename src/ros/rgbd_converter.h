@@ -43,16 +43,20 @@ class RgbdConverter : public std::enable_shared_from_this<RgbdConverter> {
   /// Pairs that were worked on; each counts once, whoever asked.
   std::size_t converted() const { return converted_; }
   const Refusals& refusals() const { return refusals_; }
+  /// Frames that were taken though they can hardly be what the driver means.
+  const Refusals& doubts() const { return doubts_; }
 
  private:
   struct Conversion;
   std::shared_ptr<Conversion> conversionOf(const RgbdMessages& messages);
   void convert(Conversion& conversion);
+  void doubt(const RgbdMessages& messages, const RgbdFrame& frame);
   std::shared_ptr<const CameraModel> cameraFor(const sensor_msgs::CameraInfoConstPtr& info);
 
   const bool rectified_;
   std::atomic<std::size_t> converted_{0};
-  Refusals refusals_;
+  std::atomic<int> without_depth_{0};  // frames in a row
+  Refusals refusals_, doubts_;
   std::mutex mutex_;
   std::vector<std::weak_ptr<Conversion>> conversions_;  // guarded by mutex_; of pairs that some nodelet keeps
   std::shared_ptr<const CameraModel> camera_;           // guarded by mutex_, as the next

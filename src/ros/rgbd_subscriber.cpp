@@ -82,6 +82,11 @@ void RgbdSubscriber::onInfo(const sensor_msgs::CameraInfoConstPtr& info) {
 
 void RgbdSubscriber::onImage(Stream& stream, const Image& image) {
   ++stream.images;
+  stream.last_s = ros::SteadyTime::now().toSec();
+  if (image->header.stamp.isZero()) {
+    refusals_.refuse(stream.topic, "its header.stamp is not set; the driver must stamp each image when it is taken");
+    return;
+  }
   const double jump_s = image->header.stamp.toSec() - last_stamp_.toSec();
   if (!last_stamp_.isZero() && std::abs(jump_s) > kLongestJumpS) {
     synchronize();  // what waits for its partner is older or newer than the synchroniser can reckon with
@@ -123,6 +128,8 @@ void RgbdSubscriber::report(StageDiagnostics& diagnostics, StageDiagnostics::Sta
   const std::string problem = missing();
   if (!problem.empty()) status.mergeSummary(diagnostic_msgs::DiagnosticStatus::ERROR, problem);
   status.add("frames converted in this process", converter_->converted());
+  diagnostics.addFault(status, "frames that can hardly be meant", converter_->doubts().count(),
+                       converter_->doubts().last());
   diagnostics.addFault(status, "frames refused", converter_->refusals().count(), converter_->refusals().last());
 }
 
@@ -136,6 +143,15 @@ std::string RgbdSubscriber::missing() const {
   if (config_.camera_file.empty() && !info_) name(info_subscriber_.getTopic());
   if (!silent.empty()) return "no message yet on " + silent + "; remap the inputs or start the driver";
   const std::string both = rgb_.topic + " and " + depth_.topic;
+  std::string stopped;
+  for (const Stream* stream : {&rgb_, &depth_}) {
+    const bool stops = ros::SteadyTime::now().toSec() - stream->last_s > config_.silent_after_s;
+    if (stops) stopped += (stopped.empty() ? "" : " and ") + stream->topic;
+  }
+  if (!stopped.empty()) return "no image any more on " + stopped + "; is the driver alive?";
+  if (config_.sync == "exact") {
+    return "images on " + both + " never have one stamp; give sync:=approximate";
+  }
   if (pairs_ == 0) {
     return "images on " + both + " never come within " + std::to_string(config_.max_interval_s) +
            " s of each other; raise max_interval_s or synchronise the driver";

@@ -88,6 +88,7 @@ class RgbdSubscriber {
   struct Stream {
     std::string topic;
     std::atomic<std::size_t> images{0};
+    std::atomic<double> last_s{0.0};  ///< steady clock, of the newest
     message_filters::PassThrough<sensor_msgs::Image> out;
   };
 

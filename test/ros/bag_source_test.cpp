@@ -259,11 +259,11 @@ TEST_F(BagSourceTest, AbsentCameraInfoAsksForACameraFile) {
 TEST_F(BagSourceTest, WrongEncodingOfTheFirstFrameIsNamed) {
   {
     rosbag::Bag bag(path_, rosbag::bagmode::Write);
-    bag.write(kTumTopics.colour, toRos(atMs(0)), image(atMs(0), "bayer_rggb8", 1));
+    bag.write(kTumTopics.colour, toRos(atMs(0)), image(atMs(0), "bayer_rggb16", 2));
     bag.write(kTumTopics.depth, toRos(atMs(0)), image(atMs(0), "32FC1", 4));
   }
   BagSource source(path_, std::make_shared<CameraModel>(smallCamera()));
-  expectError([&] { source.next(); }, {"recording.bag", "bayer_rggb8", "rgb8"});
+  expectError([&] { source.next(); }, {"recording.bag", "bayer_rggb16", "rgb8"});
 }
 
 TEST_F(BagSourceTest, ImagesTooFarApartInTimeAreNamed) {

@@ -133,6 +133,43 @@ TEST(Conversions, UncalibratedCameraIsRefused) {
   EXPECT_NE(errorOf([] { fromRos(sensor_msgs::CameraInfo(), false); }).find("uncalibrated"), std::string::npos);
 }
 
+TEST(Conversions, WhereOneMatrixIsFilledInAndNothingIsDistortedThatOneHolds) {
+  sensor_msgs::CameraInfo info = calibratedInfo();
+  info.P.fill(0.0);
+  EXPECT_NE(errorOf([&] { fromRos(info, true); }).find("uncalibrated"), std::string::npos) << "distorted";
+  info.D.assign(5, 0.0);
+  EXPECT_EQ(fromRos(info, true).fx, 517.3);
+  info.P = calibratedInfo().P;
+  info.K.fill(0.0);
+  EXPECT_EQ(fromRos(info, false).fx, 520.0);
+}
+
+TEST(Conversions, RegionAndBinningOfTheSensorAreTakenInto) {
+  sensor_msgs::CameraInfo info = calibratedInfo();
+  info.roi.x_offset = 100;
+  info.roi.y_offset = 40;
+  info.roi.width = 400;
+  info.roi.height = 300;
+  info.binning_x = 2;
+  const CameraIntrinsics k = fromRos(info, true);
+  EXPECT_EQ(k.width, 200);
+  EXPECT_EQ(k.height, 300);
+  EXPECT_EQ(k.fx, 260.0);
+  EXPECT_EQ(k.cx, 110.0);
+  EXPECT_EQ(k.fy, 521.0);
+  EXPECT_EQ(k.cy, 200.0);
+}
+
+TEST(Conversions, ImagesThatCvBridgeKnowsBecomeColour) {
+  const auto bayer = makeImage(encodings::BAYER_RGGB8, 8, 8, 1), yuv = makeImage(encodings::YUV422, 8, 8, 2);
+  EXPECT_EQ(colourFromRos(bayer).type(), CV_8UC3);
+  EXPECT_EQ(colourFromRos(yuv).type(), CV_8UC3);
+  const auto bgr = makeImage(encodings::TYPE_8UC3, 2, 1, 3);
+  bgr->data = {10, 20, 30, 40, 50, 60};
+  EXPECT_EQ(colourFromRos(bgr).at<cv::Vec3b>(0, 1), cv::Vec3b(40, 50, 60));
+  EXPECT_EQ(depthFromRos(makeImage(encodings::MONO16, 2, 2, 2)).type(), CV_16UC1);
+}
+
 TEST(Conversions, RgbBecomesBgr) {
   const auto message = makeImage(encodings::RGB8, 2, 1, 3);
   message->data = {10, 20, 30, 40, 50, 60};
@@ -159,8 +196,8 @@ TEST(Conversions, DepthKeepsItsEncodingAsType) {
 }
 
 TEST(Conversions, WrongEncodingsAreNamed) {
-  EXPECT_NE(errorOf([] { colourFromRos(makeImage("bayer_rggb8", 2, 2, 1)); }).find("bayer_rggb8"), std::string::npos);
-  EXPECT_NE(errorOf([] { depthFromRos(makeImage("mono16", 2, 2, 2)); }).find("mono16"), std::string::npos);
+  EXPECT_NE(errorOf([] { colourFromRos(makeImage("bayer_rggb16", 2, 2, 2)); }).find("bayer_rggb16"), std::string::npos);
+  EXPECT_NE(errorOf([] { depthFromRos(makeImage("mono8", 2, 2, 1)); }).find("mono8"), std::string::npos);
   EXPECT_NE(errorOf([] { maskFromRos(makeImage("rgb8", 2, 2, 3)); }).find("rgb8"), std::string::npos);
 }
 

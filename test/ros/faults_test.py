@@ -65,7 +65,10 @@ def camera_info(focal_px):
 class Camera:
     """Publishes pairs on the nodes' own topic names until stopped."""
 
-    def __init__(self, rgb="rgb8", depth="16UC1", focal_px=50.0):
+    def __init__(self, rgb="rgb8", depth="16UC1", focal_px=50.0, stamped=True, depth_late_s=0.0, depth_frame="camera",
+                 depth_ends=float("inf")):
+        self.stamped, self.depth_late, self.depth_frame = stamped, rospy.Duration(depth_late_s), depth_frame
+        self.depth_left = depth_ends
         self.rgb = rospy.Publisher("rgb/image_rect_color", Image, queue_size=2)
         self.depth = rospy.Publisher("depth_registered/image_rect", Image, queue_size=2)
         self.info = rospy.Publisher("rgb/camera_info", CameraInfo, queue_size=2)
@@ -81,10 +84,14 @@ class Camera:
             publisher.unregister()
 
     def tick(self, _):
-        stamp = rospy.Time.now()
-        sizes = {"rgb8": 3, "bayer_rggb8": 1, "16UC1": 2, "mono16": 2}
+        stamp = rospy.Time.now() if self.stamped else rospy.Time()
+        sizes = {"rgb8": 3, "bayer_rggb16": 2, "16UC1": 2, "mono8": 1}
         self.rgb.publish(image(self.encodings[0], sizes[self.encodings[0]], stamp))
-        self.depth.publish(image(self.encodings[1], sizes[self.encodings[1]], stamp))
+        depth = image(self.encodings[1], sizes[self.encodings[1]], stamp + self.depth_late)
+        depth.header.frame_id = self.depth_frame
+        self.depth_left -= 1
+        if self.depth_left >= 0:
+            self.depth.publish(depth)
         if self.focal_px is not None:
             self.info.publish(camera_info(self.focal_px))
 
@@ -170,10 +177,30 @@ class FaultsTest(unittest.TestCase):
             node.wait_for_line("ERROR", "uncalibrated")
 
     def test_wrong_encodings_are_named(self):
-        with Camera(rgb="bayer_rggb8"), Node("motion_node", "__name:=k") as node:
-            node.wait_for_line("ERROR", "colour image", "bayer_rggb8")
-        with Camera(depth="mono16"), Node("motion_node", "__name:=l") as node:
-            node.wait_for_line("ERROR", "depth image", "mono16")
+        with Camera(rgb="bayer_rggb16"), Node("motion_node", "__name:=k") as node:
+            node.wait_for_line("ERROR", "colour image", "bayer_rggb16")
+        with Camera(depth="mono8"), Node("motion_node", "__name:=l") as node:
+            node.wait_for_line("ERROR", "depth image", "mono8")
+
+    def test_images_without_stamps_are_refused(self):
+        with Camera(stamped=False), Node("motion_node", "__name:=unstamped") as node:
+            node.wait_for_line("ERROR", "header.stamp is not set")
+
+    def test_depth_that_is_not_registered_is_doubted(self):
+        with Camera(depth_frame="depth"), Node("motion_node", "__name:=unregistered") as node:
+            node.wait_for_line("WARN", "frame_id is 'depth'", "registered to colour")
+
+    def test_the_stream_that_ends_is_named(self):
+        with Node("motion_node", "__name:=silent", "_input/silent_after_s:=1.0") as node:
+            node.wait_for_line("WARN", "no message yet on")
+            with Camera(depth_ends=30):
+                node.wait_for_line("WARN", "no image any more on /depth_registered/image_rect")
+            self.assertEqual(node.lines_with("no image any more on /rgb/image_rect_color and"), [])
+
+    def test_an_offset_asks_for_approximate_pairs(self):
+        with Camera(depth_late_s=0.005), Node("motion_node", "__name:=offset", "_input/sync:=exact",
+                                              "_input/silent_after_s:=3.0") as node:
+            node.wait_for_line("WARN", "sync:=approximate")
 
 
 if __name__ == "__main__":

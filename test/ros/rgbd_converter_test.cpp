@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <boost/weak_ptr.hpp>
+#include <cmath>
 #include <thread>
 #include <vector>
 
@@ -40,12 +42,66 @@ std::shared_ptr<RgbdConverter> converter() { return std::make_shared<RgbdConvert
 TEST(RgbdConverter, FramesKeepTheNumberOfTheirPairAlsoWhenPairsBetweenAreLost) {
   const auto input = converter();
   ASSERT_TRUE(input->pending(pair(3)).decode());
-  EXPECT_FALSE(input->pending(pair(4, "mono16")).decode());
+  EXPECT_FALSE(input->pending(pair(4, "mono8")).decode());
   const auto frame = input->pending(pair(7)).decode();
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->index, 7U);
   EXPECT_EQ(input->refusals().count(), 1U);
-  EXPECT_NE(input->refusals().last().find("mono16"), std::string::npos);
+  EXPECT_NE(input->refusals().last().find("mono8"), std::string::npos);
+}
+
+/// A pair that nothing is wrong with: 2 m all over.
+RgbdMessages goodPair() {
+  RgbdMessages messages = pair(0);
+  auto rgb = boost::make_shared<sensor_msgs::Image>(*messages.rgb),
+       depth = boost::make_shared<sensor_msgs::Image>(*messages.depth);
+  rgb->header.frame_id = depth->header.frame_id = "camera";
+  auto* z_m = reinterpret_cast<float*>(depth->data.data());
+  std::fill_n(z_m, depth->data.size() / sizeof(float), 2.0F);
+  messages.rgb = rgb;
+  messages.depth = depth;
+  return messages;
+}
+
+/// @return what is doubted after so many such pairs; all of them are taken
+template <class Change>
+std::string doubtOf(Change change, int pairs = 1) {
+  const auto input = converter();
+  for (int i = 0; i < pairs; ++i) {
+    RgbdMessages messages = goodPair();
+    auto rgb = boost::make_shared<sensor_msgs::Image>(*messages.rgb),
+         depth = boost::make_shared<sensor_msgs::Image>(*messages.depth);
+    change(*rgb, *depth);
+    messages.rgb = rgb;
+    messages.depth = depth;
+    EXPECT_TRUE(input->pending(messages).decode());
+  }
+  EXPECT_EQ(input->refusals().count(), 0U);
+  return input->doubts().last();
+}
+
+void fill(sensor_msgs::Image& depth, float z_m) {
+  std::fill_n(reinterpret_cast<float*>(depth.data.data()), depth.data.size() / sizeof(float), z_m);
+}
+
+TEST(RgbdConverter, SaysWhatCanHardlyBeMeant) {
+  using sensor_msgs::Image;
+  EXPECT_EQ(doubtOf([](Image&, Image&) {}, 20), "");
+  EXPECT_NE(doubtOf([](Image&, Image& depth) { depth.header.frame_id = "depth"; }).find("registered"),
+            std::string::npos);
+  EXPECT_NE(doubtOf([](Image& rgb, Image&) { rgb.header.frame_id = ""; }).find("frame_id is empty"), std::string::npos);
+  const auto none = [](Image&, Image& depth) { fill(depth, std::nanf("")); };
+  EXPECT_EQ(doubtOf(none, 9), "") << "somebody passes";
+  EXPECT_NE(doubtOf(none, 10).find("depth camera covered"), std::string::npos);
+  EXPECT_NE(doubtOf([](Image&, Image& depth) { fill(depth, 2000.0F); }, 10).find("32FC1 in millimetres"),
+            std::string::npos);
+  EXPECT_NE(doubtOf([](Image&, Image& depth) {
+              depth.encoding = "16UC1";
+              depth.step /= 2;
+              depth.data.resize(depth.step * depth.height);
+              std::fill_n(reinterpret_cast<std::uint16_t*>(depth.data.data()), 64 * 48, std::uint16_t{13000});
+            }).find("1/5000"),
+            std::string::npos);
 }
 
 TEST(RgbdConverter, WhatNeedsNoConversionReachesTheStageInTheMemoryOfTheDriver) {

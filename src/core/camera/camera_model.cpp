@@ -91,12 +91,26 @@ Eigen::Vector2d CameraModel::undistort(const Eigen::Vector2d& raw_px) const {
   return {fx() * ray[0] + cx(), fy() * ray[1] + cy()};
 }
 
+/// Files of other programs, which people have at hand, hold the same numbers.
+static void refuseForeignForm(const YAML::Node& root, const std::string& path) {
+  const char* form = root["camera_matrix"] ? "ROS's camera_calibration (camera_matrix: fx 0 cx, 0 fy cy; image_width)"
+                     : root["Camera.fx"]   ? "ORB-SLAM (Camera.fx, Camera.k1)"
+                     : root["cam0"]        ? "Kalibr (intrinsics: fx fy cx cy; resolution)"
+                     : root["Camera1.fx"]  ? "ORB-SLAM3 (Camera1.fx, Camera1.k1)"
+                                           : nullptr;
+  if (form == nullptr) return;
+  throw ConfigError("camera file '" + path + "' has the form of " + form +
+                    "; write its numbers as width, height, fx, fy, cx, cy and distortion [k1, k2, p1, p2, k3], as in "
+                    "cfg/cameras");
+}
+
 CameraIntrinsics loadCameraFile(const std::string& path) {
   static const std::set<std::string> known = {"width", "height", "fx", "fy", "cx", "cy", "distortion"};
   CameraIntrinsics k;
   try {
     const YAML::Node root = readYamlFile("camera file", path);
     if (!root.IsMap()) throw FileError("camera file '" + path + "' must be a YAML map");
+    refuseForeignForm(root, path);
     for (const auto& item : root) {
       const auto key = item.first.as<std::string>();
       if (known.count(key) == 0) throw ConfigError("camera file '" + path + "': unknown key '" + key + "'");
@@ -113,8 +127,8 @@ CameraIntrinsics loadCameraFile(const std::string& path) {
     k.cy = required("cy").as<double>();
     if (root["distortion"]) {
       const auto values = root["distortion"].as<std::vector<double>>();
-      if (values.size() != k.distortion.size()) {
-        throw ConfigError("camera file '" + path + "': distortion needs 5 values (k1 k2 p1 p2 k3), has " +
+      if (values.size() != 4 && values.size() != k.distortion.size()) {
+        throw ConfigError("camera file '" + path + "': distortion needs 4 or 5 values (k1 k2 p1 p2 and k3), has " +
                           std::to_string(values.size()));
       }
       std::copy(values.begin(), values.end(), k.distortion.begin());

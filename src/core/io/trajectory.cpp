@@ -95,6 +95,8 @@ std::optional<Stamp> parseStamp(const std::string& seconds) {
     }
   }
   if (digits == 0) return std::nullopt;
+  constexpr int kNanosecondDigits = 17;  // fewer have been since 1973
+  if (decimals < 0 && digits >= kNanosecondDigits) return Stamp{negative ? -ns : ns};
   for (int have = std::max(decimals, 0); have < 9; ++have) {
     if (ns > INT64_MAX / 10) return std::nullopt;
     ns *= 10;

@@ -13,7 +13,8 @@
 namespace semantic_vslam {
 
 /// Reads decimal seconds (`1305031102.175304`) digit by digit, so that no nanosecond is lost to floating point; digits
-/// past the ninth decimal are dropped. Scientific notation is accepted too. @return nothing if it is no number.
+/// past the ninth decimal are dropped. Scientific notation is accepted too, and whole nanoseconds, as other benchmarks
+/// have them (17 digits or more). @return nothing if it is no number.
 std::optional<Stamp> parseStamp(const std::string& seconds);
 
 /// Decimal seconds with 6 to 9 decimals, as many as the stamp needs.

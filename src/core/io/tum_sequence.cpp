@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr double kTumDepthUnitM = 1.0 / 5000.0;
 
-/// Rows of whitespace-separated words; blank lines and comments left out.
+/// Rows of words between spaces, tabs or commas; blank lines, comments and a byte-order mark left out.
 std::vector<std::vector<std::string>> readRows(const std::string& path, std::size_t words_per_row) {
   requireRegularFile("list", path);
   std::ifstream in(path);
@@ -32,6 +32,9 @@ std::vector<std::vector<std::string>> readRows(const std::string& path, std::siz
   std::vector<std::vector<std::string>> rows;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
+    constexpr const char* kByteOrderMark = "\xEF\xBB\xBF";
+    if (number == 1 && line.compare(0, 3, kByteOrderMark) == 0) line.erase(0, 3);
+    std::replace(line.begin(), line.end(), ',', ' ');
     std::istringstream words(line);
     std::vector<std::string> row;
     for (std::string word; words >> word;) row.push_back(word);
@@ -51,10 +54,17 @@ Stamp stampOf(const std::string& text, const std::string& path) {
   return *stamp;
 }
 
+/// The benchmark's associate.py writes what it is given first first.
+bool depthComesFirst(const std::vector<std::string>& row) {
+  const auto names_depth = [](const std::string& file) { return file.find("depth") != std::string::npos; };
+  return names_depth(row[1]) && !names_depth(row[3]);
+}
+
 std::vector<TumPair> readAssociations(const std::string& path) {
   std::vector<TumPair> pairs;
   for (const auto& row : readRows(path, 4)) {
-    pairs.push_back({stampOf(row[0], path), stampOf(row[2], path), row[1], row[3]});
+    const std::size_t rgb = depthComesFirst(row) ? 2 : 0, depth = 2 - rgb;
+    pairs.push_back({stampOf(row[rgb], path), stampOf(row[depth], path), row[rgb + 1], row[depth + 1]});
   }
   return pairs;
 }
@@ -83,6 +93,10 @@ std::vector<TumPair> associateLists(const std::string& folder) {
   if (pairs.empty()) {
     throw FileError("'" + folder + "': none of the " + std::to_string(rgb.files.size()) +
                     " colour images has a depth image within 0.02 s");
+  }
+  if (pairs.size() < rgb.files.size()) {
+    logInfo("'" + folder + "': " + std::to_string(rgb.files.size() - pairs.size()) + " of " +
+            std::to_string(rgb.files.size()) + " colour images have no depth image within 0.02 s and are left out");
   }
   return pairs;
 }
@@ -132,15 +146,16 @@ std::optional<RgbdFrame> TumSequence::next() {
 
 RgbdFrame TumSequence::read(std::size_t index) const {
   const TumPair& pair = pairs_[index];
-  const cv::Mat bgr = readImageFile(folder_ + "/" + pair.rgb_file, cv::IMREAD_COLOR);
-  const cv::Mat depth = readImageFile(folder_ + "/" + pair.depth_file, cv::IMREAD_UNCHANGED);
+  const auto in_folder = [this](const std::string& file) { return (fs::path(folder_) / file).string(); };
+  const cv::Mat bgr = readImageFile(in_folder(pair.rgb_file), cv::IMREAD_COLOR);
+  const cv::Mat depth = readImageFile(in_folder(pair.depth_file), cv::IMREAD_UNCHANGED);
   if (depth.type() != CV_16UC1) {
-    throw Error("depth image '" + folder_ + "/" + pair.depth_file + "' must be 16-bit gray, in units of 1/5000 m");
+    throw Error("depth image '" + in_folder(pair.depth_file) + "' must be 16-bit gray, in units of 1/5000 m");
   }
   try {
     return makeRgbdFrame(index, pair.rgb_stamp, bgr, depth, kTumDepthUnitM, camera_);
   } catch (const Error& error) {
-    throw Error("'" + folder_ + "/" + pair.rgb_file + "': " + error.what());
+    throw Error("'" + in_folder(pair.rgb_file) + "': " + error.what());
   }
 }
 

@@ -12,14 +12,15 @@ namespace semantic_vslam {
 
 class BrokenFrames;
 
-/// A colour image and the depth image that goes with it; paths are relative to the sequence's folder.
+/// A colour image and the depth image that goes with it; paths are relative to the sequence's folder, or absolute.
 struct TumPair {
   Stamp rgb_stamp, depth_stamp;
   std::string rgb_file, depth_file;
 };
 
 /// Reads a folder in the format of the TUM RGB-D benchmark: `associations.txt` if there is one, else `rgb.txt` and
-/// `depth.txt` paired by associateStamps(). @return pairs in order of the colour stamp; at least one.
+/// `depth.txt` paired by associateStamps(). Words may lie between commas, too. @return pairs in order of the colour
+/// stamp; at least one.
 /// @throws FileError naming the folder or list and what is wrong with it.
 std::vector<TumPair> readTumPairs(const std::string& folder);
 

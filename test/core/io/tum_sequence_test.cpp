@@ -111,6 +111,32 @@ TEST_F(TumFolder, AssociationsFileTakesPrecedence) {
   EXPECT_FLOAT_EQ(frame->depth_m(5, 5), 1.0F);
 }
 
+TEST_F(TumFolder, ListsOfOtherToolsAreRead) {
+  const std::string rgb = (folder_ / "rgb/1.200000.png").string();
+  for (const std::string& list :
+       std::vector<std::string>{"1.005 depth/1.005000.png 1.2 rgb/1.200000.png\n",  // depth first
+                                "\xEF\xBB\xBF"
+                                "1.2,rgb/1.200000.png,1.005,depth/1.005000.png\r\n",           // a spreadsheet's
+                                std::string("1.2 " + rgb + " 1.005 depth/1.005000.png\n")}) {  // an absolute path
+    write("associations.txt", list);
+    TumSequence sequence = open();
+    ASSERT_EQ(sequence.size(), 1U) << list;
+    const auto frame = sequence.next();
+    EXPECT_EQ(frame->stamp.ns, 1200000000) << list;
+    EXPECT_EQ(frame->bgr(5, 5)[2], 32) << list;
+    EXPECT_FLOAT_EQ(frame->depth_m(5, 5), 1.0F) << list;
+  }
+  write("associations.txt", "1305031102175304000 rgb/1.200000.png 1305031102180000000 depth/1.005000.png\n");
+  EXPECT_EQ(open().next()->stamp.ns, 1305031102175304000) << "nanoseconds";
+}
+
+TEST_F(TumFolder, ImagesWithoutAPartnerAreSaid) {
+  write("depth.txt", "1.005 depth/1.005000.png\n");
+  EXPECT_EQ(open().size(), 1U);
+  ASSERT_FALSE(messages_.empty());
+  EXPECT_NE(messages_[0].find("2 of 3 colour images"), std::string::npos) << messages_[0];
+}
+
 TEST_F(TumFolder, ReadsGroundTruthAndMaskWhereTheyAre) {
   write("groundtruth.txt", "1.0 1 2 3 0 0 0 1\n");
   cv::imwrite((folder_ / "mask/1.100000.png").string(), cv::Mat(kSize, CV_8UC1, cv::Scalar(255)));
@@ -179,6 +205,24 @@ TEST_F(TumFolder, TruncatedJpegIsRefusedThoughItsDecoderWouldFillItUp) {
   truncate("image.jpg");
   expectError([&] { readImageFile(path, cv::IMREAD_COLOR); }, {"image.jpg", "truncated"});
   expectError([&] { writeImageFile("/nonexistent/image.png", noise); }, {"/nonexistent/image.png"});
+}
+
+TEST_F(TumFolder, CameraFilesOfOtherProgramsAreNamed) {
+  const auto message = [&](const std::string& content) {
+    write("camera.yaml", content);
+    try {
+      loadCameraFile((folder_ / "camera.yaml").string());
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_NE(message("image_width: 640\ncamera_matrix: {rows: 3}\n").find("camera_calibration"), std::string::npos);
+  EXPECT_NE(message("Camera.fx: 517.3\nCamera.fy: 516.5\n").find("ORB-SLAM"), std::string::npos);
+  EXPECT_NE(message("cam0: {intrinsics: [1, 1, 1, 1]}\n").find("Kalibr"), std::string::npos);
+  EXPECT_EQ(message("width: 64\nheight: 48\nfx: 50\nfy: 50\ncx: 32\ncy: 24\ndistortion: [0.1, 0, 0, 0]\n"), "no error");
+  EXPECT_NE(message("width: 64\nheight: 48\nfx: 50\nfy: 50\ncx: 32\ncy: 24\ndistortion: [0.1]\n").find("4 or 5"),
+            std::string::npos);
 }
 
 TEST(CameraFiles, AllLoadAndKeepTheBenchmarksNumbers) {

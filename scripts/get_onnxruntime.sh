@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 # SPDX-License-Identifier: BSD-3-Clause
-# Prints the prefix of ONNX Runtime (include/ and lib/): ONNXRUNTIME_ROOT if set, else a system copy (Debian 13 has one), else the
+# Prints the prefix of ONNX Runtime (include/ and lib/): ONNXRUNTIME_ROOT if set, else a system copy, else the
 # cached one, which is downloaded first if need be. Older systems do not package it for C++, so it is put together from
 #   headers: Debian 13's libonnxruntime-dev, unpacked, never installed, from the Debian mirror this machine is set up with;
 #   library: the Python wheel of the same version (they must match: symbols are versioned), by pip.
@@ -40,8 +40,12 @@ if [ -n "${ONNXRUNTIME_ROOT:-}" ]; then
   exit 0
 fi
 prefix=$(cache_dir)/onnxruntime-$version
+# Debian 13's own writes 1135 lines about its operators at every start: it registers those that libonnx has registered.
+# usage: registers_twice PREFIX
+registers_twice() { ldd "$1"/lib/*/libonnxruntime.so 2>/dev/null | grep -q 'libonnx\.so'; }
+
 for candidate in /usr /usr/local "$prefix"; do
-  if is_complete "$candidate"; then
+  if is_complete "$candidate" && ! registers_twice "$candidate"; then
     echo "$candidate"
     exit 0
   fi

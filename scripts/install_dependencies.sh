@@ -9,9 +9,8 @@ purpose=${1:?usage: install_dependencies.sh build|demo|lint}
 
 # usage: wanted COLUMN   names of the packages for this purpose
 wanted() {
-  awk -v column="$1" -v purpose="$purpose" -v here="$(system_name)" '
-    { split($1, when, "@") }  # "build@debian13": only there
-    !/^#/ && NF && (when[1] == "build" || when[1] == purpose) && (when[2] == "" || when[2] == here) && $column != "-" { print $column }
+  awk -v column="$1" -v purpose="$purpose" '
+    !/^#/ && NF && ($1 == "build" || $1 == purpose) && $column != "-" { print $column }
   ' "$root/scripts/packages.txt" | sort -u
 }
 

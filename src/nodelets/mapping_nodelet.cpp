@@ -122,6 +122,9 @@ MappingTopics::MappingTopics(const NodeletHandles& node)
   inputs_.topic<KeyframePoseArray>("tracking/keyframe_poses", 1, [this](const auto& map) {
     runner_.take(std::make_shared<const MapSnapshot>(fromRos(*map)));
   });
+  inputs_.topic<TrackingReport>("tracking/state", 10, [this](const auto& report) {
+    if (report->beside_keyframe) runner_.take(placeFromRos(*report));
+  });
   // When the worker is far behind keyframes wait, but not the thread that takes the images in.
   inputs_.waitingTopic<KeyframeStamped>("tracking/keyframe", 50,
                                         [this](const auto& keyframe) { runner_.name(noticeFromRos(*keyframe)); });

@@ -305,6 +305,10 @@ KeyframeNotice noticeFromRos(const KeyframeStamped& message) {
   return {KeyframeId(message.id), message.map_id, fromRos(message.header.stamp)};
 }
 
+FramePlace placeFromRos(const TrackingReport& report) {
+  return {fromRos(report.header.stamp), report.map_id, KeyframeId(report.keyframe), fromRos(report.in_keyframe)};
+}
+
 FrameLabels labelsFromRos(const sensor_msgs::ImageConstPtr& message) {
   return {fromRos(message->header.stamp), maskFromRos(message)};
 }

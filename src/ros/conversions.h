@@ -12,6 +12,7 @@
 #include <semantic_vslam/KeyframeStamped.h>
 #include <semantic_vslam/LabelInfo.h>
 #include <semantic_vslam/MotionReport.h>
+#include <semantic_vslam/TrackingReport.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -89,6 +90,8 @@ LabelInfo toRos(const LabelSet& labels);
 
 KeyframePose fromRos(const KeyframeStamped& message);
 KeyframeNotice noticeFromRos(const KeyframeStamped& message);
+/// @param report  beside_keyframe is true
+FramePlace placeFromRos(const TrackingReport& report);
 /// All but the mask, which has a topic of its own. @throws Error if `moving` is no image
 MotionResult fromRos(const MotionReportConstPtr& report);
 MotionReport toRos(const std_msgs::Header& header, const MotionResult& motion);

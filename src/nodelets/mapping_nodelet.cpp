@@ -57,7 +57,7 @@ struct MappingNodeletConfig {
 };
 
 /// Images and poses of keyframes, motion masks and labels -> mapping/{semantic_cloud, octomap_binary, octomap_full,
-/// projected_map, objects}, and mapping/removed when watched. The maps follow tracking/keyframe_poses.
+/// projected_map, objects, object_markers}, and mapping/removed when watched. The maps follow tracking/keyframe_poses.
 class MappingTopics {
  public:
   explicit MappingTopics(const NodeletHandles& node);

@@ -12,6 +12,7 @@
 #include <semantic_vslam/KeyframeStamped.h>
 #include <semantic_vslam/LabelInfo.h>
 #include <semantic_vslam/MotionReport.h>
+#include <semantic_vslam/ObjectArray.h>
 #include <semantic_vslam/TrackingReport.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
@@ -105,7 +106,8 @@ KeyframeStamped toRos(const KeyframePose& pose, const std::string& map_frame, st
 /// Unordered cloud with the fields x y z (float32, metres), rgb (packed, as rviz and PCL expect) and label (uint8).
 sensor_msgs::PointCloud2Ptr toRos(const std::vector<LabelledPoint>& points, const std_msgs::Header& header);
 
-/// A box and a text with the class for each object, for rviz; the first marker removes those of before.
+ObjectArray messageOf(const std::vector<MapObject>& objects, const LabelSet& labels, const std_msgs::Header& header);
+/// A box and a text with class and id for each object, for rviz; the first marker removes those of before.
 visualization_msgs::MarkerArray toRos(const std::vector<MapObject>& objects, const LabelSet& labels,
                                       const std_msgs::Header& header);
 

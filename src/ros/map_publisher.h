@@ -20,7 +20,8 @@
 
 namespace semantic_vslam {
 
-/// Publishes the dense map: mapping/{semantic_cloud, octomap_binary, octomap_full, projected_map, objects}. Who
+/// Publishes the dense map: mapping/{semantic_cloud, octomap_binary, octomap_full, projected_map, objects,
+/// object_markers}. Who
 /// subscribes gets the map as it is at the next publication: a latched message might be hours old.
 class MapPublisher {
  public:
@@ -42,8 +43,11 @@ class MapPublisher {
     const LabelSet& labels;
     std_msgs::Header header;
     std::optional<std::vector<LabelledPoint>> points;
+    std::optional<std::vector<MapObject>> found;
+    std::function<std::vector<MapObject>(const std::vector<LabelledPoint>&)> find_objects;
 
     const std::vector<LabelledPoint>& cloud();
+    const std::vector<MapObject>& objects();
   };
   using Publish = std::function<void(const ros::Publisher&, Source&)>;
   struct Topic {
@@ -54,10 +58,15 @@ class MapPublisher {
 
   template <class Message>
   void advertise(ros::NodeHandle& nh, const std::string& topic, Publish publish);
+  /// With the ids that they had before.
+  std::vector<MapObject> findObjects(const std::vector<LabelledPoint>& cloud, const DenseMapper& map);
   void publishTopics(const DenseMapper& map, const LabelSet& labels);
 
   const std::string map_frame_;
-  std::list<Topic> topics_;  // their addresses stay
+  const MapObjectsConfig objects_;
+  ObjectList object_list_;
+  std::vector<KeyframePose> object_poses_;  // of the keyframes when the objects were found last
+  std::list<Topic> topics_;                 // their addresses stay
   std::atomic<bool> asked_{false};
   std::size_t published_ = 0;         // DenseStage::changes() then
   ros::SteadyTime next_publication_;  // not before

@@ -324,7 +324,8 @@ int measureRoom(const Arguments& arguments, const Options& options) {
   const OccupancyGridConfig& band = options.config.dense.grid;
   const OccupancyGrid grid = map.projectedMap(T_truth_world);
   const std::vector<LabelledPoint> cloud = moved(map.cloud(), T_truth_world);
-  const std::vector<MapObject> objects = findObjects(cloud, MapObjectsConfig());
+  const std::vector<MapObject> objects = findObjects(
+      cloud, MapObjectsConfig(), [&](const auto& p) { return map.evidenceAt(T_truth_world.inverse() * p); });
   const LabelSet labels = map.labels();
 
   JsonWriter json;

@@ -134,12 +134,14 @@ bool DenseMapper::inReach(const SE3& T_world_camera) {
 void DenseMapper::integrate(const DenseKeyframe& keyframe, const SE3& T_world_camera, Version& version) const {
   version.voxels.integrate(keyframe.cloud.points, keyframe.view, T_world_camera);
   version.T_world_camera[keyframe.cloud.keyframe] = T_world_camera;
+  version.stamps.push_back(keyframe.cloud.stamp);
 }
 
 /// Its keyframe is in the version already.
 void DenseMapper::integrate(const DenseLook& look, Version& version) const {
   version.voxels.integrate(look.cloud.points, look.view,
                            version.T_world_camera.at(look.cloud.keyframe) * look.T_keyframe_camera);
+  version.stamps.push_back(look.cloud.stamp);
 }
 
 SE3 DenseMapper::poseAmong(const std::map<KeyframeId, SE3>& T_world_camera, KeyframeId id) const {
@@ -168,7 +170,7 @@ void DenseMapper::updatePoses(const std::vector<KeyframePose>& poses) {
 }
 
 void DenseMapper::startRebuild() {
-  next_.emplace(Version{VoxelMap(config_.voxels), {}});
+  next_.emplace(Version{VoxelMap(config_.voxels), {}, {}});
   due_.clear();
   for (const auto& [id, keyframe] : keyframes_) {
     due_.push_back({keyframe.order, id});
@@ -266,6 +268,11 @@ std::vector<LabelledPoint> DenseMapper::cloud() const {
   return voxelFilter(points, config_.cloud_resolution_m);
 }
 
+SurfaceEvidence DenseMapper::evidenceAt(const Eigen::Vector3d& point_world) const {
+  const Voxel voxel = served_.voxels.voxelAt(point_world);
+  return {voxel.label_share, voxel.last_hit > 0 ? served_.stamps[voxel.last_hit - 1] : Stamp()};
+}
+
 std::vector<KeyframePose> DenseMapper::poses() const {
   std::vector<KeyframePose> poses;
   for (const auto& [id, T_world_camera] : served_.T_world_camera) {
@@ -313,7 +320,7 @@ void DenseMapper::clear() {
   kept_bytes_ = 0;
   next_order_ = 0;
   next_.reset();
-  served_ = Version{VoxelMap(config_.voxels), {}};
+  served_ = Version{VoxelMap(config_.voxels), {}, {}};
 }
 
 DenseMapContent DenseMapper::content(std::uint32_t map_id) const {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/dense/dense_map_file.h"
+#include "core/dense/map_objects.h"
 #include "core/dense/occupancy_grid.h"
 #include "core/dense/octomap_export.h"
 #include "core/dense/voxel_map.h"
@@ -67,6 +68,8 @@ class DenseMapper {
   /// One point per cube of cloud_resolution_m on an occupied voxel: mean position and colour, label by the votes of all
   /// keyframes. World frame, in a fixed order.
   std::vector<LabelledPoint> cloud() const;
+  /// What the map knows of a point on its surface: for findObjects().
+  SurfaceEvidence evidenceAt(const Eigen::Vector3d& point_world) const;
   /// Heights are counted from the floor that the map shows, see floorOf(); what it finds is said once in the log.
   /// @param T_map_world  into a frame with z up
   OccupancyGrid projectedMap(const SE3& T_map_world) const;
@@ -100,6 +103,7 @@ class DenseMapper {
   struct Version {
     VoxelMap voxels;
     std::map<KeyframeId, SE3> T_world_camera;
+    std::vector<Stamp> stamps;  ///< of all that was integrated, in that order
   };
   /// A keyframe or a look that a rebuild has still to take in.
   struct Due {

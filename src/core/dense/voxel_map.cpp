@@ -352,6 +352,8 @@ Voxel VoxelMap::Impl::describe(const Eigen::Vector3i& index, const Block* block,
     voxel.bgr[channel] = cv::saturate_cast<std::uint8_t>(surface->bgr_256ths[channel] / 256.0);
   }
   voxel.label = surface->votes.winner();
+  voxel.label_share = surface->votes.share();
+  voxel.last_hit = surface->last_hit;
   voxel.hits = surface->hits;
   voxel.misses = surface->misses;
   return voxel;

@@ -59,6 +59,27 @@ RoomComparison compareWithEmptyRoom(const std::vector<LabelledPoint>& map, const
   return result;
 }
 
+void SeenPastPeople::add(const RgbdFrame& frame, const cv::Mat1b& people, const SE3& T_world_camera) {
+  const double noise_m_per_m2 = 3.0 * MapDepthNoise().surfaces_m;
+  const SE3 T_camera_world = T_world_camera.inverse();
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Vector3d p = T_camera_world * points_[i].position();
+    if (seen_[i] || p.z() <= 0.0) continue;
+    const Eigen::Vector2d pixel = frame.camera->projectRaw(p);
+    const cv::Point at(cvRound(pixel.x()), cvRound(pixel.y()));
+    if (!cv::Rect({0, 0}, frame.depth_m.size()).contains(at) || people(at) >= 128) continue;
+    seen_[i] = std::abs(frame.depth_m(at) - p.z()) < kLeftOverM + noise_m_per_m2 * p.z() * p.z();
+  }
+}
+
+std::vector<LabelledPoint> SeenPastPeople::seen() const {
+  std::vector<LabelledPoint> seen;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    if (seen_[i]) seen.push_back(points_[i]);
+  }
+  return seen;
+}
+
 void SeenRoom::add(const SyntheticFrame& frame, const CameraModel& camera) {
   constexpr int kStridePx = 4;
   constexpr float kFarthestM = 4.0F;  // what the map takes in

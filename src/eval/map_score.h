@@ -12,6 +12,7 @@
 #include "core/dense/dense_mapper.h"
 #include "eval/room_truth.h"
 #include "eval/synthetic_room.h"
+#include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/dense/dense_result.h"
 
 namespace semantic_vslam {
@@ -38,6 +39,21 @@ struct RoomComparison {
   std::vector<LabelledPoint> left_over_points;  ///< of the map as given
 };
 RoomComparison compareWithEmptyRoom(const std::vector<LabelledPoint>& map, const std::vector<LabelledPoint>& empty);
+
+/// Which of some points the frames of a map saw, past the people before them: the rest no map of these frames can have.
+class SeenPastPeople {
+ public:
+  explicit SeenPastPeople(std::vector<LabelledPoint> points) : points_(std::move(points)), seen_(points_.size()) {}
+
+  /// A point is seen where the depth is its own, but for 5 cm and the depth's noise, and no person is.
+  /// @param people  true mask: 128 and more where people are, of the frame's size
+  void add(const RgbdFrame& frame, const cv::Mat1b& people, const SE3& T_world_camera);
+  std::vector<LabelledPoint> seen() const;
+
+ private:
+  std::vector<LabelledPoint> points_;
+  std::vector<bool> seen_;
+};
 
 /// What of a rendered room its camera saw, gathered from exact depth.
 class SeenRoom {

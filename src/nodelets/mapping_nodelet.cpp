@@ -52,7 +52,7 @@ struct MappingNodeletConfig {
 };
 
 /// Images and poses of keyframes, motion masks and labels -> mapping/{semantic_cloud, octomap_binary, octomap_full,
-/// projected_map, objects}, and mapping/removed when watched. The maps follow tracking/keyframe_poses.
+/// projected_map, objects, object_markers}, and mapping/removed when watched. The maps follow tracking/keyframe_poses.
 class MappingTopics {
  public:
   explicit MappingTopics(const NodeletHandles& node);
@@ -112,6 +112,9 @@ MappingTopics::MappingTopics(const NodeletHandles& node)
   inputs_.topic<LabelInfo>("segmentation/label_info", 1, [this](const auto& info) { runner_.take(fromRos(*info)); });
   inputs_.topic<KeyframePoseArray>("tracking/keyframe_poses", 1, [this](const auto& map) {
     runner_.take(std::make_shared<const MapSnapshot>(fromRos(*map)));
+  });
+  inputs_.topic<TrackingReport>("tracking/state", 10, [this](const auto& report) {
+    if (report->beside_keyframe) runner_.take(placeFromRos(*report));
   });
   // When the worker is far behind keyframes wait, but not the thread that takes the images in.
   inputs_.waitingTopic<KeyframeStamped>("tracking/keyframe", 50,

@@ -330,6 +330,10 @@ KeyframeNotice noticeFromRos(const KeyframeStamped& message) {
   return {KeyframeId(message.id), message.map_id, fromRos(message.header.stamp)};
 }
 
+FramePlace placeFromRos(const TrackingReport& report) {
+  return {fromRos(report.header.stamp), report.map_id, KeyframeId(report.keyframe), fromRos(report.in_keyframe)};
+}
+
 FrameLabels labelsFromRos(const sensor_msgs::ImageConstPtr& message) {
   return {fromRos(message->header.stamp), maskFromRos(message)};
 }
@@ -373,6 +377,35 @@ sensor_msgs::PointCloud2Ptr toRos(const std::vector<LabelledPoint>& points, cons
   return cloud;
 }
 
+namespace {
+
+SE3 boxOf(const MapObject& object) {
+  return SE3(Eigen::Translation3d(object.middle_m) * Eigen::AngleAxisd(object.yaw_rad, Eigen::Vector3d::UnitZ()));
+}
+
+}  // namespace
+
+ObjectArray messageOf(const std::vector<MapObject>& objects, const LabelSet& labels, const std_msgs::Header& header) {
+  ObjectArray array;
+  array.header = header;
+  for (const MapObject& object : objects) {
+    if (object.label >= labels.size()) continue;
+    Object message;
+    message.id = object.id;
+    message.label = labels.classes[object.label].name;
+    message.confidence = static_cast<float>(object.confidence);
+    message.centroid = toPose(SE3(Eigen::Translation3d(object.centroid_m))).position;
+    message.box = toPose(boxOf(object));
+    message.box_size.x = object.size_m.x();
+    message.box_size.y = object.size_m.y();
+    message.box_size.z = object.size_m.z();
+    message.points = static_cast<std::uint32_t>(object.points);
+    message.last_seen = toRos(object.last_seen);
+    array.objects.push_back(std::move(message));
+  }
+  return array;
+}
+
 visualization_msgs::MarkerArray toRos(const std::vector<MapObject>& objects, const LabelSet& labels,
                                       const std_msgs::Header& header) {
   using visualization_msgs::Marker;
@@ -385,12 +418,12 @@ visualization_msgs::MarkerArray toRos(const std::vector<MapObject>& objects, con
   for (const MapObject& object : objects) {
     if (object.label >= labels.size()) continue;
     const LabelClass& kind = labels.classes[object.label];
-    marker.pose = toPose(SE3(Eigen::Translation3d(object.box_m.center())));
+    marker.pose = toPose(boxOf(object));
     marker.color = colorOf(kind);
     marker.color.a = 0.35F;
     marker.ns = "box";
     marker.type = Marker::CUBE;
-    const Eigen::Vector3d size_m = object.box_m.sizes().cwiseMax(0.01);  // rviz draws nothing that is flat
+    const Eigen::Vector3d size_m = object.size_m.cwiseMax(0.01);  // rviz draws nothing that is flat
     marker.scale.x = size_m.x();
     marker.scale.y = size_m.y();
     marker.scale.z = size_m.z();
@@ -398,7 +431,7 @@ visualization_msgs::MarkerArray toRos(const std::vector<MapObject>& objects, con
 
     marker.ns = "class";
     marker.type = Marker::TEXT_VIEW_FACING;
-    marker.text = kind.name;
+    marker.text = object.id == 0 ? kind.name : kind.name + " " + std::to_string(object.id);
     marker.color.a = 1.0F;
     marker.pose.position.z = object.box_m.max().z() + 0.08;
     marker.scale.z = 0.12;  // height of a capital letter, m

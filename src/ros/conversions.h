@@ -11,6 +11,8 @@
 #include <semantic_vslam/KeyframeStamped.h>
 #include <semantic_vslam/LabelInfo.h>
 #include <semantic_vslam/MotionReport.h>
+#include <semantic_vslam/ObjectArray.h>
+#include <semantic_vslam/TrackingReport.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -89,6 +91,8 @@ LabelInfo toRos(const LabelSet& labels);
 
 KeyframePose fromRos(const KeyframeStamped& message);
 KeyframeNotice noticeFromRos(const KeyframeStamped& message);
+/// @param report  beside_keyframe is true
+FramePlace placeFromRos(const TrackingReport& report);
 /// All but the mask, which has a topic of its own. @throws Error if `moving` is no image
 MotionResult fromRos(const MotionReportConstPtr& report);
 MotionReport toRos(const std_msgs::Header& header, const MotionResult& motion);
@@ -102,7 +106,8 @@ KeyframeStamped toRos(const KeyframePose& pose, const std::string& map_frame, st
 /// Unordered cloud with the fields x y z (float32, metres), rgb (packed, as rviz and PCL expect) and label (uint8).
 sensor_msgs::PointCloud2Ptr toRos(const std::vector<LabelledPoint>& points, const std_msgs::Header& header);
 
-/// A box and a text with the class for each object, for rviz; the first marker removes those of before.
+ObjectArray messageOf(const std::vector<MapObject>& objects, const LabelSet& labels, const std_msgs::Header& header);
+/// A box and a text with class and id for each object, for rviz; the first marker removes those of before.
 visualization_msgs::MarkerArray toRos(const std::vector<MapObject>& objects, const LabelSet& labels,
                                       const std_msgs::Header& header);
 

@@ -5,6 +5,7 @@
 #include <nav_msgs/OccupancyGrid.h>
 #include <sensor_msgs/PointCloud2.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "ros/conversions.h"
@@ -13,7 +14,7 @@
 namespace semantic_vslam {
 
 MapPublisher::MapPublisher(ros::NodeHandle nh, std::string map_frame, const MapObjectsConfig& objects)
-    : map_frame_(std::move(map_frame)) {
+    : map_frame_(std::move(map_frame)), objects_(objects) {
   using Out = ros::Publisher;
   advertise<sensor_msgs::PointCloud2>(nh, "mapping/semantic_cloud", [](const Out& out, Source& source) {
     out.publish(toRos(source.cloud(), source.header));
@@ -40,8 +41,11 @@ MapPublisher::MapPublisher(ros::NodeHandle nh, std::string map_frame, const MapO
     const OccupancyGrid grid = source.map.projectedMap(SE3::Identity());
     if (!grid.cells.empty()) out.publish(toRos(grid, source.header));
   });
-  advertise<visualization_msgs::MarkerArray>(nh, "mapping/objects", [objects](const Out& out, Source& source) {
-    out.publish(toRos(findObjects(source.cloud(), objects), source.labels, source.header));
+  advertise<ObjectArray>(nh, "mapping/objects", [](const Out& out, Source& source) {
+    out.publish(messageOf(source.objects(), source.labels, source.header));
+  });
+  advertise<visualization_msgs::MarkerArray>(nh, "mapping/object_markers", [](const Out& out, Source& source) {
+    out.publish(toRos(source.objects(), source.labels, source.header));
   });
 }
 
@@ -61,6 +65,28 @@ const std::vector<LabelledPoint>& MapPublisher::Source::cloud() {
 const std::vector<OctreeLeaf>& MapPublisher::Source::octreeLeaves() {
   if (!leaves) leaves = map.octreeLeaves();
   return *leaves;
+}
+
+const std::vector<MapObject>& MapPublisher::Source::objects() {
+  if (!found) found = find_objects(cloud());
+  return *found;
+}
+
+std::vector<MapObject> MapPublisher::findObjects(const std::vector<LabelledPoint>& cloud, const DenseMapper& map) {
+  std::vector<MapObject> objects =
+      semantic_vslam::findObjects(cloud, objects_, [&](const auto& point) { return map.evidenceAt(point); });
+  const std::vector<KeyframePose> poses = map.poses();
+  // A closed loop moves what a keyframe saw with that keyframe.
+  object_list_.giveIds(objects, [&](const MapObject& object) {
+    const auto was = std::find_if(object_poses_.rbegin(), object_poses_.rend(),
+                                  [&](const KeyframePose& pose) { return !(object.last_seen < pose.stamp); });
+    if (was == object_poses_.rend()) return SE3(SE3::Identity());
+    const auto is = std::find_if(poses.begin(), poses.end(),
+                                 [&](const KeyframePose& pose) { return pose.keyframe == was->keyframe; });
+    return is == poses.end() ? SE3(SE3::Identity()) : SE3(is->T_world_camera * was->T_world_camera.inverse());
+  });
+  object_poses_ = poses;
+  return objects;
 }
 
 /// A large map takes seconds to publish: three quarters of the time are left to the keyframes that wait.
@@ -91,7 +117,7 @@ void MapPublisher::report(StageDiagnostics::Status& status) const {
 }
 
 void MapPublisher::publishTopics(const DenseMapper& map, const LabelSet& labels) {
-  Source source{map, labels, {}, {}, {}};
+  Source source{map, labels, {}, {}, {}, {}, [&](const auto& cloud) { return findObjects(cloud, map); }};
   source.header.stamp = ros::Time::now();
   source.header.frame_id = map_frame_;
   for (Topic& topic : topics_) {

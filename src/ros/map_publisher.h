@@ -20,9 +20,10 @@
 
 namespace semantic_vslam {
 
-/// Publishes the dense map: mapping/{semantic_cloud, objects}, and what octomap_server publishes, by its names, below
-/// mapping/: octomap_binary, octomap_full, octomap_point_cloud_centers, {occupied, free}_cells_vis_array,
-/// projected_map. Who subscribes gets the map as it is at the next publication: a latched message might be hours old.
+/// Publishes the dense map: mapping/{semantic_cloud, objects, object_markers}, and what octomap_server publishes, by
+/// its names, below mapping/: octomap_binary, octomap_full, octomap_point_cloud_centers, {occupied,
+/// free}_cells_vis_array, projected_map. Who subscribes gets the map as it is at the next publication: a latched
+/// message might be hours old.
 class MapPublisher {
  public:
   /// @param map_frame  frame_id of the maps; its z is up
@@ -43,11 +44,13 @@ class MapPublisher {
     const LabelSet& labels;
     std_msgs::Header header;
     std::optional<std::vector<LabelledPoint>> points;
-
+    std::optional<std::vector<MapObject>> found;
     std::optional<std::vector<OctreeLeaf>> leaves;
+    std::function<std::vector<MapObject>(const std::vector<LabelledPoint>&)> find_objects;
 
     const std::vector<LabelledPoint>& cloud();
     const std::vector<OctreeLeaf>& octreeLeaves();
+    const std::vector<MapObject>& objects();
   };
   using Publish = std::function<void(const ros::Publisher&, Source&)>;
   struct Topic {
@@ -58,10 +61,15 @@ class MapPublisher {
 
   template <class Message>
   void advertise(ros::NodeHandle& nh, const std::string& topic, Publish publish);
+  /// With the ids that they had before.
+  std::vector<MapObject> findObjects(const std::vector<LabelledPoint>& cloud, const DenseMapper& map);
   void publishTopics(const DenseMapper& map, const LabelSet& labels);
 
   const std::string map_frame_;
-  std::list<Topic> topics_;  // their addresses stay
+  const MapObjectsConfig objects_;
+  ObjectList object_list_;
+  std::vector<KeyframePose> object_poses_;  // of the keyframes when the objects were found last
+  std::list<Topic> topics_;                 // their addresses stay
   std::atomic<bool> asked_{false};
   std::size_t published_ = 0;         // DenseStage::changes() then
   ros::SteadyTime next_publication_;  // not before

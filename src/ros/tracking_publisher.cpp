@@ -224,6 +224,12 @@ void TrackingPublisher::publishState(const std_msgs::Header& image, const Tracki
     message.dynamic_share = static_cast<float>(cv::countNonZero(output.removed >= 128)) / output.removed.total();
   }
   message.camera = toPose(frame_T_map_world_ * output.tracking.T_camera_world.inverse());
+  message.beside_keyframe = output.place.has_value();
+  if (output.place) {
+    message.keyframe = output.place->keyframe.value();
+    message.map_id = output.place->map_id;
+    message.in_keyframe = toPose(output.place->T_keyframe_camera);
+  }
   message.cpu_ms = static_cast<float>(time.cpu_ms);
   state_.publish(message);
   std::lock_guard<std::mutex> lock(mutex_);

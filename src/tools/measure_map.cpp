@@ -48,6 +48,8 @@ constexpr char kUsage[] =
     "Maps a recording and judges the dense map: that of a rendered room against its exact geometry, that of a TUM\n"
     "folder against the map of the same room without people, made of --empty's frames at the same poses.\n"
     "  --empty DIR       a TUM folder with frames of the same stamps and nobody in them\n"
+    "  --leave-out X0,Y0,Z0,X1,Y1,Z1   a box, m, in the frame of groundtruth.txt in which nothing counts: someone who\n"
+    "                    sits in --empty, too\n"
     "  --true-labels     a rendered room's true labels in place of a network\n"
     "  --true-poses      of a rendered room: the dense stage alone, with true poses, labels and masks, twice a second\n"
     "  --run DIR         of a TUM folder: the dense stage alone, with what `run_offline --masks --out DIR` left there\n"
@@ -173,19 +175,49 @@ Mapped mapAgain(TumSequence& sequence, const Options& options) {
   return mapped;
 }
 
+std::vector<LabelledPoint> moved(std::vector<LabelledPoint> cloud, const SE3& T) {
+  for (LabelledPoint& point : cloud) {
+    const Eigen::Vector3f p = (T * point.position()).cast<float>();
+    point.xyz_m = {p.x(), p.y(), p.z()};
+  }
+  return cloud;
+}
+
 /// The map of the empty room: another recording's frames at a map's poses, nothing removed.
 DenseMapper mapOfEmptyRoom(const DenseMapper& map, TumSequence& empty, const DenseConfig& config) {
   DenseMapper result(config, {});
   std::map<Stamp, std::size_t> at;
   for (std::size_t i = 0; i < empty.pairs().size(); ++i) at[empty.pairs()[i].rgb_stamp] = i;
-  for (const KeyframePose& pose : map.poses()) {
-    const auto found = at.find(pose.stamp);
+  for (const TimedPose& view : map.views()) {
+    const auto found = at.find(view.stamp);
     if (found == at.end()) continue;
     empty.seek(found->second);
-    if (const auto frame = empty.next()) result.add(pose.keyframe, *frame, {}, {}, pose.T_world_camera);
+    const KeyframeId id(found->second);
+    if (const auto frame = empty.next()) result.add(id, *frame, {}, {}, view.T_world_camera);
   }
   if (result.keyframes() == 0) throw FileError("--empty: no frame has the stamp of any keyframe");
   return result;
+}
+
+/// All that was ever measured in the empty room, noise and all.
+std::vector<LabelledPoint> measuredInEmptyRoom(const DenseMapper& map, TumSequence& empty, KeyframeCloudConfig config) {
+  constexpr double kCubeM = 0.02;
+  config.max_incidence_deg = 89.0;  // edges, too
+  std::vector<LabelledPoint> points;
+  std::map<Stamp, std::size_t> at;
+  for (std::size_t i = 0; i < empty.pairs().size(); ++i) at[empty.pairs()[i].rgb_stamp] = i;
+  for (const TimedPose& view : map.views()) {
+    const auto found = at.find(view.stamp);
+    if (found == at.end()) continue;
+    empty.seek(found->second);
+    const auto frame = empty.next();
+    if (!frame) continue;
+    const KeyframeCloud cloud = makeKeyframeCloud({}, *frame, {}, {}, config);
+    const std::vector<LabelledPoint> in_world = moved(cloud.points, view.T_world_camera);
+    points.insert(points.end(), in_world.begin(), in_world.end());
+    points = voxelFilter(points, kCubeM);
+  }
+  return points;
 }
 
 /// From a map's world into the room's, by all of its keyframes: rotations and places are averaged.
@@ -206,14 +238,6 @@ SE3 truthFromWorld(const DenseMapper& map, const std::vector<TimedPose>& truth) 
     T.translation() += (true_pose.translation() - T.linear() * pose.translation()) / static_cast<double>(pairs.size());
   }
   return T;
-}
-
-std::vector<LabelledPoint> moved(std::vector<LabelledPoint> cloud, const SE3& T) {
-  for (LabelledPoint& point : cloud) {
-    const Eigen::Vector3f p = (T * point.position()).cast<float>();
-    point.xyz_m = {p.x(), p.y(), p.z()};
-  }
-  return cloud;
 }
 
 void report(const std::string& text, JsonWriter& json, const Options& options) {
@@ -300,7 +324,8 @@ int measureRoom(const Arguments& arguments, const Options& options) {
   const OccupancyGridConfig& band = options.config.dense.grid;
   const OccupancyGrid grid = map.projectedMap(T_truth_world);
   const std::vector<LabelledPoint> cloud = moved(map.cloud(), T_truth_world);
-  const std::vector<MapObject> objects = findObjects(cloud, MapObjectsConfig());
+  const std::vector<MapObject> objects = findObjects(
+      cloud, MapObjectsConfig(), [&](const auto& p) { return map.evidenceAt(T_truth_world.inverse() * p); });
   const LabelSet labels = map.labels();
 
   JsonWriter json;
@@ -329,6 +354,38 @@ int measureRoom(const Arguments& arguments, const Options& options) {
   return 0;
 }
 
+/// Takes out what lies in the box of --leave-out.
+void leaveOut(const Arguments& arguments, const SE3& T_truth_world, std::vector<LabelledPoint>& cloud) {
+  const auto text = arguments.value("--leave-out");
+  if (!text) return;
+  Eigen::Vector3d low, high;
+  if (std::sscanf(text->c_str(), "%lf,%lf,%lf,%lf,%lf,%lf", &low[0], &low[1], &low[2], &high[0], &high[1], &high[2]) !=
+      6) {
+    throw UsageError("--leave-out needs six numbers with commas between them, not '" + *text + "'");
+  }
+  const Eigen::AlignedBox3d box(low, high);
+  cloud.erase(std::remove_if(cloud.begin(), cloud.end(),
+                             [&](const LabelledPoint& p) { return box.contains(T_truth_world * p.position()); }),
+              cloud.end());
+}
+
+/// What of the empty room the frames of the map saw past the people.
+std::vector<LabelledPoint> seenPastPeople(const DenseMapper& map, TumSequence& sequence,
+                                          const std::vector<LabelledPoint>& empty) {
+  SeenPastPeople seen(empty);
+  const std::vector<TumPair>& pairs = sequence.pairs();
+  for (const TimedPose& view : map.views()) {
+    const auto pair = std::find_if(pairs.begin(), pairs.end(),
+                                   [&](const TumPair& candidate) { return candidate.rgb_stamp == view.stamp; });
+    if (pair == pairs.end()) continue;
+    sequence.seek(static_cast<std::size_t>(pair - pairs.begin()));
+    const auto frame = sequence.next();
+    const cv::Mat1b people = frame ? sequence.groundTruthMask() : cv::Mat1b();
+    if (!people.empty()) seen.add(*frame, people, view.T_world_camera);
+  }
+  return seen.seen();
+}
+
 int measureFolder(const Arguments& arguments, const Options& options) {
   const auto empty_path = arguments.value("--empty");
   if (!empty_path) throw UsageError("a TUM folder needs --empty DIR, the same frames with nobody in them");
@@ -338,8 +395,15 @@ int measureFolder(const Arguments& arguments, const Options& options) {
       options.run ? mapAgain(sequence, options) : mapWithPipeline(sequence, options, nullptr, nullptr);
   const DenseMapper& map = mapped.map();
   const DenseMapper empty_map = mapOfEmptyRoom(map, empty, options.config.dense);
-  const std::vector<LabelledPoint> cloud = map.cloud(), empty_cloud = empty_map.cloud();
+  std::vector<LabelledPoint> cloud = map.cloud(), empty_cloud = empty_map.cloud();
+  const SE3 T_truth_world = truthFromWorld(map, sequence.groundTruth());
+  leaveOut(arguments, T_truth_world, cloud);
+  leaveOut(arguments, T_truth_world, empty_cloud);
+  std::vector<LabelledPoint> raw = measuredInEmptyRoom(map, empty, options.config.dense.keyframe);
   const RoomComparison comparison = compareWithEmptyRoom(cloud, empty_cloud);
+  const std::vector<LabelledPoint> seen = seenPastPeople(map, sequence, empty_cloud);
+  const double found_of_seen = compareWithEmptyRoom(cloud, seen).found_again;
+  const double of_people = compareWithEmptyRoom(cloud, raw).left_over;
 
   JsonWriter json;
   json.field("sequence", arguments.positional()[0]);
@@ -349,13 +413,19 @@ int measureFolder(const Arguments& arguments, const Options& options) {
   json.field("left_over", comparison.left_over);
   json.field("empty_voxels_2cm", comparison.empty_points);
   json.field("found_again", comparison.found_again);
+  json.field("left_over_of_people", of_people);
+  json.field("seen_past_people", seen.size());
+  json.field("found_of_seen", found_of_seen);
   report(line("%zu keyframes, %.1f ms CPU each (median)", map.keyframes(), mapped.insertionMs()) +
-             line("%zu voxels of 2 cm, %.2f %% of them farther than 5 cm from the empty room; %.2f %% of its %zu found "
-                  "again within 3 cm",
-                  comparison.points, 100.0 * comparison.left_over, 100.0 * comparison.found_again,
-                  comparison.empty_points),
+             line("%zu voxels of 2 cm, %.2f %% of them farther than 5 cm from the empty room's map, %.2f %% from "
+                  "anything measured in it; found again within 3 cm %.2f %% of its %zu, %.2f %% of what was seen past "
+                  "the people",
+                  comparison.points, 100.0 * comparison.left_over, 100.0 * of_people, 100.0 * comparison.found_again,
+                  comparison.empty_points, 100.0 * found_of_seen),
          json, options);
   if (options.out.empty()) return 0;
+  map.saveCloud(options.out + "/cloud.pcd");
+  empty_map.saveCloud(options.out + "/empty_cloud.pcd");
   const std::vector<KeyframePose> poses = map.poses();
   const SE3& view = poses[poses.size() / 2].T_world_camera;
   const double size_m = options.config.dense.cloud_resolution_m;
@@ -383,7 +453,7 @@ int main(int argc, char** argv) {
   return runTool(argc, argv, kUsage, [&] {
     return run(Arguments(argc, argv,
                          {"--scenario", "--seed", "--seconds", "--fps", "--size", "--camera", "--empty", "--run",
-                          "--set", "--config", "--frames", "--out"},
+                          "--leave-out", "--set", "--config", "--frames", "--out"},
                          {"--true-labels", "--true-poses"}, {0, 1}));
   });
 }

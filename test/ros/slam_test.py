@@ -20,7 +20,7 @@ from nav_msgs.srv import GetMap
 from octomap_msgs.msg import Octomap
 from octomap_msgs.srv import BoundingBoxQuery, GetOctomap
 from programs import program
-from semantic_vslam.msg import KeyframePoseArray, KeyframeStamped, MotionReport, MoverArray, TrackingReport
+from semantic_vslam.msg import KeyframePoseArray, KeyframeStamped, MotionReport, MoverArray, ObjectArray, TrackingReport
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from std_srvs.srv import Empty, SetBool, Trigger
 from tf import transformations
@@ -122,7 +122,7 @@ class Listener:
             rospy.Subscriber("/tf", TFMessage, self.on_tf, queue_size=500)]
         for topic, kind in (("tracking/keyframe_poses", KeyframePoseArray), ("mapping/semantic_cloud", PointCloud2),
                             ("mapping/octomap_binary", Octomap), ("mapping/octomap_full", Octomap),
-                            ("mapping/projected_map", OccupancyGrid), ("mapping/objects", MarkerArray),
+                            ("mapping/projected_map", OccupancyGrid), ("mapping/object_markers", MarkerArray), ("mapping/objects", ObjectArray),
                             ("tracking/path", Path), ("tracking/points", PointCloud2), ("motion/flow_image", Image)):
             self.subscribers.append(rospy.Subscriber(topic, kind, self.keep, callback_args=topic, queue_size=1))
 
@@ -309,7 +309,7 @@ class SlamTest(unittest.TestCase):
         cells = numpy.array(grid.data)
         self.assertEqual(len(cells), grid.info.width * grid.info.height)
         self.assertGreater(numpy.count_nonzero(cells == 100), 10)
-        self.assertEqual(self.seen.newest["mapping/objects"].markers[0].action, Marker.DELETEALL)
+        self.assertEqual(self.seen.newest["mapping/object_markers"].markers[0].action, Marker.DELETEALL)
 
     def test_8_people_are_told_of_where_they_are(self):
         distances, frames = [], 0

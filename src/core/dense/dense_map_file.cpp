@@ -10,7 +10,7 @@
 namespace semantic_vslam {
 namespace {
 
-constexpr BinaryFormat kFormat = {"SVDENSE\n", 1, "dense map file"};
+constexpr BinaryFormat kFormat = {"SVDENSE\n", 2, "dense map file"};
 
 constexpr std::size_t kPointBytes = 3 * sizeof(float) + 4;
 
@@ -32,19 +32,16 @@ cv::Mat_<T> getImage(BinaryReader& in) {
   return image;
 }
 
-void put(BinaryWriter& out, const DenseKeyframe& keyframe) {
-  out.putId(keyframe.cloud.keyframe);
-  out.put(keyframe.cloud.stamp.ns);
-  putPose(out, keyframe.T_world_camera);
-  out.put<std::uint8_t>(keyframe.thinned ? 1 : 0);
-  out.put<std::uint8_t>(keyframe.culled ? 1 : 0);
-  out.putCount(keyframe.cloud.points.size());
-  for (const LabelledPoint& point : keyframe.cloud.points) {
+/// What a keyframe and a look have in common.
+void putSeen(BinaryWriter& out, std::uint64_t order, const KeyframeCloud& cloud, const FreeSpaceView& view) {
+  out.put(order);
+  out.put(cloud.stamp.ns);
+  out.putCount(cloud.points.size());
+  for (const LabelledPoint& point : cloud.points) {
     out.putBytes(point.xyz_m.val, sizeof(point.xyz_m.val));
     out.putBytes(point.bgr.val, sizeof(point.bgr.val));
     out.put(point.label);
   }
-  const FreeSpaceView& view = keyframe.view;
   for (const double value : {view.fx_cells, view.fy_cells, view.cx_cells, view.cy_cells, view.noise_m_per_m2}) {
     out.put(value);
   }
@@ -52,21 +49,29 @@ void put(BinaryWriter& out, const DenseKeyframe& keyframe) {
   putImage(out, view.inverse_depth);
 }
 
-DenseKeyframe getKeyframe(BinaryReader& in, std::size_t labels) {
-  DenseKeyframe keyframe;
-  keyframe.cloud.keyframe = in.getId<KeyframeId>();
-  keyframe.cloud.stamp.ns = in.get<std::int64_t>();
-  keyframe.T_world_camera = getPose(in);
-  keyframe.thinned = in.get<std::uint8_t>() != 0;
-  keyframe.culled = in.get<std::uint8_t>() != 0;
-  keyframe.cloud.points.resize(in.getCount(kPointBytes));
-  for (LabelledPoint& point : keyframe.cloud.points) {
+void put(BinaryWriter& out, const DenseKeyframe& keyframe) {
+  out.putId(keyframe.cloud.keyframe);
+  putPose(out, keyframe.T_world_camera);
+  out.put<std::uint8_t>(keyframe.thinned ? 1 : 0);
+  out.put<std::uint8_t>(keyframe.culled ? 1 : 0);
+  putSeen(out, keyframe.order, keyframe.cloud, keyframe.view);
+  out.putCount(keyframe.looks.size());
+  for (const DenseLook& look : keyframe.looks) {
+    putPose(out, look.T_keyframe_camera);
+    putSeen(out, look.order, look.cloud, look.view);
+  }
+}
+
+void getSeen(BinaryReader& in, std::size_t labels, std::uint64_t& order, KeyframeCloud& cloud, FreeSpaceView& view) {
+  order = in.get<std::uint64_t>();
+  cloud.stamp.ns = in.get<std::int64_t>();
+  cloud.points.resize(in.getCount(kPointBytes));
+  for (LabelledPoint& point : cloud.points) {
     in.getBytes(point.xyz_m.val, sizeof(point.xyz_m.val));
     in.getBytes(point.bgr.val, sizeof(point.bgr.val));
     point.label = in.get<std::uint8_t>();
     in.require(isPosition(point.position()) && point.label < labels);
   }
-  FreeSpaceView& view = keyframe.view;
   for (double* value : {&view.fx_cells, &view.fy_cells, &view.cx_cells, &view.cy_cells, &view.noise_m_per_m2}) {
     *value = in.get<double>();
     in.require(std::isfinite(*value));
@@ -75,7 +80,23 @@ DenseKeyframe getKeyframe(BinaryReader& in, std::size_t labels) {
   view.free_mm = getImage<std::uint16_t>(in);
   view.inverse_depth = getImage<float>(in);
   in.require(view.inverse_depth.empty() || view.inverse_depth.size() == view.free_mm.size());
-  in.require(cv::checkRange(view.inverse_depth, true, nullptr, 0.0, 1e6));
+  in.require(cv::checkRange(view.inverse_depth, true, nullptr, -1e6, 1e6));
+}
+
+DenseKeyframe getKeyframe(BinaryReader& in, std::size_t labels) {
+  DenseKeyframe keyframe;
+  keyframe.cloud.keyframe = in.getId<KeyframeId>();
+  keyframe.T_world_camera = getPose(in);
+  keyframe.thinned = in.get<std::uint8_t>() != 0;
+  keyframe.culled = in.get<std::uint8_t>() != 0;
+  getSeen(in, labels, keyframe.order, keyframe.cloud, keyframe.view);
+  keyframe.looks.resize(in.getCount(1));
+  for (DenseLook& look : keyframe.looks) {
+    look.T_keyframe_camera = getPose(in);
+    look.cloud.keyframe = keyframe.cloud.keyframe;
+    getSeen(in, labels, look.order, look.cloud, look.view);
+    in.require(look.order > keyframe.order);
+  }
   return keyframe;
 }
 

@@ -13,11 +13,21 @@
 
 namespace semantic_vslam {
 
+/// A frame between keyframes that the dense map looked at, kept with the keyframe it lies beside.
+struct DenseLook {
+  std::uint64_t order = 0;  ///< of DenseKeyframe
+  KeyframeCloud cloud;      ///< thinned to what the voxels need
+  FreeSpaceView view;
+  SE3 T_keyframe_camera = SE3::Identity();
+};
+
 /// A keyframe of the dense map as it is kept: its surface and free space in its own camera frame, and where it lies.
 struct DenseKeyframe {
+  std::uint64_t order = 0;  ///< in which keyframes and looks came, over all of the map
   KeyframeCloud cloud;
   FreeSpaceView view;
   SE3 T_world_camera = SE3::Identity();  ///< newest known
+  std::vector<DenseLook> looks;          ///< the newest few beside it, in their order
   bool thinned = false;                  ///< the cloud, to what the voxels need
   bool culled = false;                   ///< the sparse map dropped it
 };

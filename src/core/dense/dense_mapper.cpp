@@ -34,6 +34,18 @@ std::size_t bytesOf(const KeyframeCloud& cloud, const FreeSpaceView& view) {
   return cloud.points.capacity() * sizeof(LabelledPoint) + view.bytes();
 }
 
+std::size_t bytesOf(const DenseKeyframe& keyframe) {
+  std::size_t bytes = bytesOf(keyframe.cloud, keyframe.view);
+  for (const DenseLook& look : keyframe.looks) bytes += bytesOf(look.cloud, look.view);
+  return bytes;
+}
+
+/// Points half a voxel apart hit every voxel of a surface, however it is turned; at 0.7 voxels 0.2 % are missed, at
+/// one voxel 10 %.
+double thinnedM(const DenseConfig& config) {
+  return std::max(config.voxels.resolution_m / 2.0, config.cloud_resolution_m);
+}
+
 cv::Vec3f transform(const SE3& T, const cv::Vec3f& p) {
   const Eigen::Vector3f q = (T * Eigen::Vector3d(p[0], p[1], p[2])).cast<float>();
   return {q.x(), q.y(), q.z()};
@@ -41,13 +53,13 @@ cv::Vec3f transform(const SE3& T, const cv::Vec3f& p) {
 
 /// The keyframe nearest in time: ids are given in that order. Not the nearest in space, which may be of another visit
 /// of the place, with other drift.
-/// @param T_world_camera  not empty
-std::map<KeyframeId, SE3>::const_iterator nearestInTime(const std::map<KeyframeId, SE3>& T_world_camera,
-                                                        KeyframeId id) {
-  const auto after = T_world_camera.lower_bound(id);
-  if (after == T_world_camera.begin()) return after;
+/// @param keyframes  a map by id, not empty
+template <class Keyframes>
+auto nearestInTime(Keyframes& keyframes, KeyframeId id) {
+  const auto after = keyframes.lower_bound(id);
+  if (after == keyframes.begin()) return after;
   const auto before = std::prev(after);
-  if (after == T_world_camera.end()) return before;
+  if (after == keyframes.end()) return before;
   return after->first.value() - id.value() < id.value() - before->first.value() ? after : before;
 }
 
@@ -58,21 +70,55 @@ DenseMapper::DenseMapper(const DenseConfig& config, const LabelSet& labels)
 
 bool DenseMapper::add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
                       const SE3& T_world_camera) {
-  const bool usable = frame.camera != nullptr && !frame.depth_m.empty() && fits(frame, labels) && fits(frame, dynamic);
-  if (!usable || !inReach(T_world_camera) || keyframes_.count(id) > 0) return false;
-  const cv::Mat1b excluded = excludedPixels(frame.depth_m, labels, dynamic, labels_, config_.keyframe);
+  if (keyframes_.count(id) > 0 || !usable(frame, labels, dynamic, T_world_camera)) return false;
+  const cv::Mat1b someone = someonePixels(frame.depth_m.size(), labels, dynamic, labels_);
+  const cv::Mat1b excluded = excludedPixels(frame.depth_m, someone, config_.keyframe);
   DenseKeyframe kept;
+  kept.order = next_order_++;
   kept.cloud = makeKeyframeCloud(id, frame, labels, excluded, config_.keyframe);
   kept.cloud.points = voxelFilter(kept.cloud.points, config_.cloud_resolution_m);
-  kept.view = makeFreeSpaceView(frame, excluded, config_.keyframe);
+  kept.view = makeFreeSpaceView(frame, excluded, someone, config_.keyframe);
   kept.T_world_camera = T_world_camera;
-  kept_bytes_ += bytesOf(kept.cloud, kept.view);
-  keyframes_.emplace(id, std::move(kept));
+  kept_bytes_ += bytesOf(kept);
+  const DenseKeyframe& keyframe = keyframes_.emplace(id, std::move(kept)).first->second;
+  if (busy()) due_.push_back({keyframe.order, id});
   // What is served stays of one piece during a rebuild: the keyframe goes where it lies among the old poses.
-  integrate(id, busy() ? poseAmong(served_.T_world_camera, id) : T_world_camera, served_);
+  integrate(keyframe, busy() ? poseAmong(served_.T_world_camera, id) : T_world_camera, served_);
   keepToBudget();  // only now: what is served has every keyframe in full
   work();
   return true;
+}
+
+bool DenseMapper::look(KeyframeId beside, const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
+                       const SE3& T_world_camera) {
+  if (keyframes_.empty() || !usable(frame, labels, dynamic, T_world_camera)) return false;
+  DenseKeyframe& keyframe = nearestInTime(keyframes_, beside)->second;
+  const KeyframeId id = keyframe.cloud.keyframe;
+  const cv::Mat1b someone = someonePixels(frame.depth_m.size(), labels, dynamic, labels_);
+  const cv::Mat1b excluded = excludedPixels(frame.depth_m, someone, config_.keyframe);
+  DenseLook look;
+  look.order = next_order_++;
+  look.cloud = makeKeyframeCloud(id, frame, labels, excluded, config_.keyframe);
+  look.cloud.points = voxelFilter(look.cloud.points, thinnedM(config_));
+  look.view = makeFreeSpaceView(frame, excluded, someone, config_.keyframe);
+  look.T_keyframe_camera = keyframe.T_world_camera.inverse() * T_world_camera;
+  kept_bytes_ += bytesOf(look.cloud, look.view);
+  integrate(look, served_);
+  if (busy()) due_.push_back({look.order, id});
+  if (keyframe.looks.size() == kLooks) {
+    kept_bytes_ -= bytesOf(keyframe.looks.front().cloud, keyframe.looks.front().view);
+    keyframe.looks.erase(keyframe.looks.begin());
+  }
+  keyframe.looks.push_back(std::move(look));
+  keepToBudget();
+  work();
+  return true;
+}
+
+bool DenseMapper::usable(const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
+                         const SE3& T_world_camera) {
+  return frame.camera != nullptr && !frame.depth_m.empty() && fits(frame, labels) && fits(frame, dynamic) &&
+         inReach(T_world_camera);
 }
 
 bool DenseMapper::inReach(const SE3& T_world_camera) {
@@ -86,10 +132,17 @@ bool DenseMapper::inReach(const SE3& T_world_camera) {
   return false;
 }
 
-void DenseMapper::integrate(KeyframeId id, const SE3& T_world_camera, Version& version) const {
-  const DenseKeyframe& kept = keyframes_.at(id);
-  version.voxels.integrate(kept.cloud.points, kept.view, T_world_camera);
-  version.T_world_camera[id] = T_world_camera;
+void DenseMapper::integrate(const DenseKeyframe& keyframe, const SE3& T_world_camera, Version& version) const {
+  version.voxels.integrate(keyframe.cloud.points, keyframe.view, T_world_camera);
+  version.T_world_camera[keyframe.cloud.keyframe] = T_world_camera;
+  version.stamps.push_back(keyframe.cloud.stamp);
+}
+
+/// Its keyframe is in the version already.
+void DenseMapper::integrate(const DenseLook& look, Version& version) const {
+  version.voxels.integrate(look.cloud.points, look.view,
+                           version.T_world_camera.at(look.cloud.keyframe) * look.T_keyframe_camera);
+  version.stamps.push_back(look.cloud.stamp);
 }
 
 SE3 DenseMapper::poseAmong(const std::map<KeyframeId, SE3>& T_world_camera, KeyframeId id) const {
@@ -113,8 +166,18 @@ void DenseMapper::updatePoses(const std::vector<KeyframePose>& poses) {
     if (optimised.count(id) == 0) kept.T_world_camera = poseAmong(optimised, id);
   }
   for (const auto& [id, T_world_camera] : optimised) keyframes_.at(id).T_world_camera = T_world_camera;
-  if (!busy() && stale()) next_.emplace(Version{VoxelMap(config_.voxels), {}});
+  if (!busy() && stale()) startRebuild();
   work();
+}
+
+void DenseMapper::startRebuild() {
+  next_.emplace(Version{VoxelMap(config_.voxels), {}, {}});
+  due_.clear();
+  for (const auto& [id, keyframe] : keyframes_) {
+    due_.push_back({keyframe.order, id});
+    for (const DenseLook& look : keyframe.looks) due_.push_back({look.order, id});
+  }
+  std::sort(due_.begin(), due_.end(), [](const Due& a, const Due& b) { return a.order < b.order; });
 }
 
 bool DenseMapper::stale() const {
@@ -129,17 +192,23 @@ bool DenseMapper::stale() const {
 
 void DenseMapper::work() {
   if (!busy()) return;
-  int budget = config_.rebuild_keyframes_per_call;
-  for (const auto& [id, kept] : keyframes_) {
-    if (next_->T_world_camera.count(id) > 0) continue;
-    if (budget-- == 0) return;
-    integrate(id, kept.T_world_camera, *next_);
+  for (int budget = config_.rebuild_keyframes_per_call; !due_.empty(); --budget) {
+    if (budget == 0) return;
+    const Due due = due_.front();
+    due_.pop_front();
+    const auto keyframe = keyframes_.find(due.keyframe);
+    if (keyframe == keyframes_.end()) continue;  // forgotten meanwhile, as a look may be
+    const DenseKeyframe& kept = keyframe->second;
+    if (kept.order == due.order) integrate(kept, kept.T_world_camera, *next_);
+    for (const DenseLook& look : kept.looks) {
+      if (look.order == due.order) integrate(look, *next_);
+    }
   }
   served_ = std::move(*next_);
   next_.reset();
   ++rebuilds_;
   // Poses that moved during the rebuild: once more, later. Never start over before one is complete.
-  if (stale()) next_.emplace(Version{VoxelMap(config_.voxels), {}});
+  if (stale()) startRebuild();
 }
 
 void DenseMapper::finish() {
@@ -148,15 +217,17 @@ void DenseMapper::finish() {
 
 void DenseMapper::keepToBudget() {
   const auto budget_bytes = static_cast<std::size_t>(config_.memory_mb) << 20;
-  // Points half a voxel apart hit every voxel of a surface, however it is turned; at 0.7 voxels 0.2 % are missed, at
-  // one voxel 10 %.
-  const double cell_m = config_.voxels.resolution_m / 2.0;
+  for (auto it = keyframes_.begin(); it != keyframes_.end() && kept_bytes_ > budget_bytes; ++it) {
+    kept_bytes_ -= bytesOf(it->second);
+    it->second.looks.clear();
+    kept_bytes_ += bytesOf(it->second);
+  }
   for (auto it = keyframes_.begin(); it != keyframes_.end() && kept_bytes_ > budget_bytes; ++it) {
     DenseKeyframe& kept = it->second;
-    if (std::exchange(kept.thinned, true) || cell_m <= config_.cloud_resolution_m) continue;
-    kept_bytes_ -= bytesOf(kept.cloud, kept.view);
-    kept.cloud.points = voxelFilter(kept.cloud.points, cell_m);
-    kept_bytes_ += bytesOf(kept.cloud, kept.view);
+    if (std::exchange(kept.thinned, true) || thinnedM(config_) <= config_.cloud_resolution_m) continue;
+    kept_bytes_ -= bytesOf(kept);
+    kept.cloud.points = voxelFilter(kept.cloud.points, thinnedM(config_));
+    kept_bytes_ += bytesOf(kept);
   }
   if (kept_bytes_ <= budget_bytes) return;
   if (!std::exchange(warned_, true)) {
@@ -170,7 +241,7 @@ void DenseMapper::keepToBudget() {
 
 std::map<KeyframeId, DenseKeyframe>::iterator DenseMapper::forget(
     std::map<KeyframeId, DenseKeyframe>::iterator keyframe) {
-  kept_bytes_ -= bytesOf(keyframe->second.cloud, keyframe->second.view);
+  kept_bytes_ -= bytesOf(keyframe->second);
   served_.T_world_camera.erase(keyframe->first);
   if (next_) next_->T_world_camera.erase(keyframe->first);
   return keyframes_.erase(keyframe);
@@ -179,8 +250,8 @@ std::map<KeyframeId, DenseKeyframe>::iterator DenseMapper::forget(
 std::vector<LabelledPoint> DenseMapper::cloud() const {
   constexpr double kPoseErrorM = 0.015;
   std::vector<LabelledPoint> points;
-  for (const auto& [id, T_world_camera] : served_.T_world_camera) {
-    for (LabelledPoint point : keyframes_.at(id).cloud.points) {
+  const auto take = [&](const KeyframeCloud& cloud, const SE3& T_world_camera) {
+    for (LabelledPoint point : cloud.points) {
       const auto depth_m = static_cast<double>(point.xyz_m[2]);
       point.xyz_m = transform(T_world_camera, point.xyz_m);
       // Farther from the surface than noise brings it, a point is of something else, which is gone.
@@ -189,8 +260,18 @@ std::vector<LabelledPoint> DenseMapper::cloud() const {
       const Voxel voxel = served_.voxels.voxelAt(point.position());
       if (voxel.state == Occupancy::kOccupied) points.push_back({point.xyz_m, point.bgr, voxel.label});
     }
+  };
+  for (const auto& [id, T_world_camera] : served_.T_world_camera) {
+    const DenseKeyframe& keyframe = keyframes_.at(id);
+    take(keyframe.cloud, T_world_camera);
+    for (const DenseLook& look : keyframe.looks) take(look.cloud, T_world_camera * look.T_keyframe_camera);
   }
   return voxelFilter(points, config_.cloud_resolution_m);
+}
+
+SurfaceEvidence DenseMapper::evidenceAt(const Eigen::Vector3d& point_world) const {
+  const Voxel voxel = served_.voxels.voxelAt(point_world);
+  return {voxel.label_share, voxel.last_hit > 0 ? served_.stamps[voxel.last_hit - 1] : Stamp()};
 }
 
 std::vector<KeyframePose> DenseMapper::poses() const {
@@ -199,6 +280,19 @@ std::vector<KeyframePose> DenseMapper::poses() const {
     poses.push_back({id, keyframes_.at(id).cloud.stamp, T_world_camera});
   }
   return poses;
+}
+
+std::vector<TimedPose> DenseMapper::views() const {
+  std::vector<TimedPose> views;
+  for (const auto& [id, T_world_camera] : served_.T_world_camera) {
+    const DenseKeyframe& keyframe = keyframes_.at(id);
+    views.push_back({keyframe.cloud.stamp, T_world_camera});
+    for (const DenseLook& look : keyframe.looks) {
+      views.push_back({look.cloud.stamp, T_world_camera * look.T_keyframe_camera});
+    }
+  }
+  std::sort(views.begin(), views.end(), [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
+  return views;
 }
 
 OccupancyGrid DenseMapper::projectedMap(const SE3& T_map_world) const {
@@ -245,8 +339,9 @@ void DenseMapper::clearBox(const Eigen::AlignedBox3d& box_m) {
 void DenseMapper::clear() {
   keyframes_.clear();
   kept_bytes_ = 0;
+  next_order_ = 0;
   next_.reset();
-  served_ = Version{VoxelMap(config_.voxels), {}};
+  served_ = Version{VoxelMap(config_.voxels), {}, {}};
 }
 
 DenseMapContent DenseMapper::content(std::uint32_t map_id) const {
@@ -260,11 +355,13 @@ void DenseMapper::restore(std::vector<DenseKeyframe> keyframes) {
   for (DenseKeyframe& keyframe : keyframes) {
     const KeyframeId id = keyframe.cloud.keyframe;
     if (!inReach(keyframe.T_world_camera)) continue;
-    kept_bytes_ += bytesOf(keyframe.cloud, keyframe.view);
-    const auto& kept = keyframes_.emplace(id, std::move(keyframe)).first->second;
-    integrate(id, kept.T_world_camera, served_);
+    kept_bytes_ += bytesOf(keyframe);
+    next_order_ = std::max(next_order_, 1 + (keyframe.looks.empty() ? keyframe.order : keyframe.looks.back().order));
+    keyframes_.emplace(id, std::move(keyframe));
   }
   keepToBudget();
+  startRebuild();
+  finish();
 }
 
 std::size_t DenseMapper::memoryBytes() const {

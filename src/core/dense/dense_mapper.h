@@ -3,12 +3,15 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/dense/dense_map_file.h"
+#include "core/dense/map_objects.h"
 #include "core/dense/occupancy_grid.h"
 #include "core/dense/octomap_export.h"
 #include "core/dense/voxel_map.h"
@@ -41,6 +44,15 @@ class DenseMapper {
   bool add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
            const SE3& T_world_camera);
 
+  /// Looks at a frame between keyframes: it takes away and adds as a keyframe does, but of all that lie beside one
+  /// keyframe only the newest kLooks are kept, so that a camera that stands makes the map no larger. The others' mark
+  /// on the voxels lasts until the next rebuild.
+  /// @param beside  keyframe that it moves with, or the one nearest in time that is held
+  /// @return false, with nothing changed, for what add() refuses and where no keyframe is held.
+  bool look(KeyframeId beside, const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
+            const SE3& T_world_camera);
+  static constexpr std::size_t kLooks = 3;  ///< as many as take away what is gone
+
   /// Takes the poses of all keyframes as they stand. One that is held here but is not among them was culled: it moves
   /// with the one nearest in time that is left. Starts a rebuild if any pose moved far enough, and does one slice of
   /// it.
@@ -56,6 +68,8 @@ class DenseMapper {
   /// One point per cube of cloud_resolution_m on an occupied voxel: mean position and colour, label by the votes of all
   /// keyframes. World frame, in a fixed order.
   std::vector<LabelledPoint> cloud() const;
+  /// What the map knows of a point on its surface: for findObjects().
+  SurfaceEvidence evidenceAt(const Eigen::Vector3d& point_world) const;
   /// Heights are counted from the floor that the map shows, see floorOf(); what it finds is said once in the log.
   /// @param T_map_world  into a frame with z up
   OccupancyGrid projectedMap(const SE3& T_map_world) const;
@@ -85,6 +99,8 @@ class DenseMapper {
   std::size_t keyframes() const { return keyframes_.size(); }   ///< held
   /// Of the keyframes that the served map was built from, as it was.
   std::vector<KeyframePose> poses() const;
+  /// Of all frames that the served map holds: keyframes and the looks beside them.
+  std::vector<TimedPose> views() const;
   std::size_t rebuilds() const { return rebuilds_; }  ///< completed
   std::size_t memoryBytes() const;                    ///< of the kept clouds and the voxel maps
 
@@ -93,10 +109,19 @@ class DenseMapper {
   struct Version {
     VoxelMap voxels;
     std::map<KeyframeId, SE3> T_world_camera;
+    std::vector<Stamp> stamps;  ///< of all that was integrated, in that order
+  };
+  /// A keyframe or a look that a rebuild has still to take in.
+  struct Due {
+    std::uint64_t order;
+    KeyframeId keyframe;
   };
 
+  bool usable(const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& dynamic, const SE3& T_world_camera);
   bool inReach(const SE3& T_world_camera);
-  void integrate(KeyframeId id, const SE3& T_world_camera, Version& version) const;
+  void integrate(const DenseKeyframe& keyframe, const SE3& T_world_camera, Version& version) const;
+  void integrate(const DenseLook& look, Version& version) const;
+  void startRebuild();
   /// Where a keyframe lies among other poses than the newest: as it lies to the one of them that is nearest in time.
   SE3 poseAmong(const std::map<KeyframeId, SE3>& T_world_camera, KeyframeId id) const;
   bool stale() const;
@@ -113,6 +138,8 @@ class DenseMapper {
   bool warned_of_reach_ = false;                        ///< that a pose is out of reach
   Version served_;
   std::optional<Version> next_;
+  std::deque<Due> due_;  ///< for next_, in their order
+  std::uint64_t next_order_ = 0;
   std::size_t rebuilds_ = 0;
 };
 

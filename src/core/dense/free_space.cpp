@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "core/dense/keyframe_cloud.h"
 
@@ -16,12 +17,13 @@ struct CellSums {
   int pixels = 0, surface_pixels = 0;
   float nearest_m = 0.0F, inverse_sum = 0.0F;
   bool silenced = false;
+  int someone_pixels = 0;
 };
 
 }  // namespace
 
-FreeSpaceView makeFreeSpaceView(const RgbdFrame& frame, const cv::Mat1b& excluded, const KeyframeCloudConfig& config,
-                                int cell_px) {
+FreeSpaceView makeFreeSpaceView(const RgbdFrame& frame, const cv::Mat1b& excluded, const cv::Mat1b& someone,
+                                const KeyframeCloudConfig& config, int cell_px) {
   assert(excluded.empty() || excluded.size() == frame.depth_m.size());
   const CameraModel& camera = *frame.camera;
   const int cols = camera.width() / cell_px, rows = camera.height() / cell_px;
@@ -45,6 +47,7 @@ FreeSpaceView makeFreeSpaceView(const RgbdFrame& frame, const cv::Mat1b& exclude
       CellSums& cell = cells[static_cast<std::size_t>(row) * cols + col];
       ++cell.pixels;
       if (!excluded.empty() && excluded(v, u) != 0) cell.silenced = true;
+      if (!someone.empty() && someone(v, u) != 0) ++cell.someone_pixels;
       const float z_m = frame.depth_m(v, u);
       if (z_m <= 0.0F) continue;
       if (cell.nearest_m == 0.0F || z_m < cell.nearest_m) cell.nearest_m = z_m;
@@ -53,6 +56,13 @@ FreeSpaceView makeFreeSpaceView(const RgbdFrame& frame, const cv::Mat1b& exclude
       ++cell.surface_pixels;
     }
   }
+  // Masks reach over the outline, onto what is behind: only what lies well inside is surely of someone.
+  constexpr int kOutlineCells = 2;
+  cv::Mat1b inside(rows, cols);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    inside.data[i] = cells[i].pixels > 0 && cells[i].someone_pixels == cells[i].pixels ? 255 : 0;
+  }
+  cv::erode(inside, inside, cv::Mat(), {-1, -1}, kOutlineCells);
   const auto noise = static_cast<float>(3.0 * view.noise_m_per_m2);
   for (int row = 0; row < rows; ++row) {
     for (int col = 0; col < cols; ++col) {
@@ -61,6 +71,9 @@ FreeSpaceView makeFreeSpaceView(const RgbdFrame& frame, const cv::Mat1b& exclude
       float& inverse = view.inverse_depth(row, col);
       free_mm = 0;
       inverse = 0.0F;
+      if (inside(row, col) != 0 && 2 * cell.surface_pixels >= cell.pixels) {
+        inverse = -cell.inverse_sum / static_cast<float>(cell.surface_pixels);
+      }
       if (cell.silenced || cell.pixels == 0) continue;
       const float free_m = cell.nearest_m - noise * cell.nearest_m * cell.nearest_m;
       free_mm = cell.nearest_m == 0.0F ? FreeSpaceView::kNoReturn

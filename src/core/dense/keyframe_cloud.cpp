@@ -36,12 +36,12 @@ class CellMean {
   int count_ = 0;
 };
 
-/// Extends a mask along the surface it lies on: a torso whose legs were seen to move goes with them. On cells of 8 px:
-/// a body is wider, and its outline is not looked for.
+/// Extends a mask along the surface it lies on: a torso whose legs were seen to move goes with them. On cells of 4 px:
+/// what of someone is in view at the border of the image may be a strip of 16.
 void addRestOfBodies(const cv::Mat1f& depth_m, cv::Mat1b& mask) {
-  constexpr int kCellPx = 8;
-  constexpr int kReachCells = 16;          // a quarter of the view's height
-  constexpr float kStep = 0.03F;           // of the depth, from cell to cell: a body is rounder than a desk is flat
+  constexpr int kCellPx = 4;
+  constexpr int kReachCells = 32;          // a quarter of the view's height
+  constexpr float kStep = 0.02F;           // of the depth, from cell to cell: a body is rounder than a desk is flat
   constexpr float kMostFromSeedM = 0.25F;  // a body's depth; what it stands on or leans at goes on beyond
   const cv::Size cells(depth_m.cols / kCellPx, depth_m.rows / kCellPx);
   if (cells.empty() || cv::countNonZero(mask) == 0) return;
@@ -56,8 +56,9 @@ void addRestOfBodies(const cv::Mat1f& depth_m, cv::Mat1b& mask) {
       if (cv::countNonZero(mask(area)) == area.area()) inside(row, col) = 255;
     }
   }
-  // Masks reach over the outline, onto what is behind: only what lies well inside of one is surely of the body.
-  cv::erode(inside, inside, cv::Mat());
+  // Masks reach over the outline, onto what is behind: only what lies 8 px inside of one is surely of the body.
+  constexpr int kOutlineCells = 2;
+  cv::erode(inside, inside, cv::Mat(), {-1, -1}, kOutlineCells);
   for (int row = 0; row < cells.height; ++row) {
     for (int col = 0; col < cells.width; ++col) {
       if (inside(row, col) == 0 || z_m(row, col) <= 0.0F) continue;
@@ -84,14 +85,18 @@ void addRestOfBodies(const cv::Mat1f& depth_m, cv::Mat1b& mask) {
 
 }  // namespace
 
-cv::Mat1b excludedPixels(const cv::Mat1f& depth_m, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
-                         const LabelSet& label_set, const KeyframeCloudConfig& config) {
-  const cv::Size size = depth_m.size();
+cv::Mat1b someonePixels(cv::Size size, const cv::Mat1b& labels, const cv::Mat1b& dynamic, const LabelSet& label_set) {
   assert(labels.empty() || labels.size() == size);
   assert(dynamic.empty() || dynamic.size() == size);
-  cv::Mat1b excluded(size, std::uint8_t{0});
-  if (!labels.empty()) excluded = maskOfPeople(labels, label_set);
-  if (!dynamic.empty()) excluded |= (dynamic >= kDynamic);
+  cv::Mat1b someone(size, std::uint8_t{0});
+  if (!labels.empty()) someone = maskOfPeople(labels, label_set);
+  if (!dynamic.empty()) someone |= (dynamic >= kDynamic);
+  return someone;
+}
+
+cv::Mat1b excludedPixels(const cv::Mat1f& depth_m, const cv::Mat1b& someone, const KeyframeCloudConfig& config) {
+  assert(someone.size() == depth_m.size());
+  cv::Mat1b excluded = someone.clone();
   addRestOfBodies(depth_m, excluded);
   if (config.dynamic_margin_px > 0) {
     const int side = 2 * config.dynamic_margin_px + 1;  // a square: separable, ten times cheaper than a disc

@@ -23,14 +23,18 @@ struct KeyframeCloud {
   std::vector<LabelledPoint> points;
 };
 
-/// Pixels that must not enter the map in any way: dynamic >= 128 or labelled as a class of Mobility::kPerson; what the
-/// same surface goes on to beside them, since motion is rarely seen on all of a body; and dynamic_margin_px around.
+/// Pixels of people and moving things: dynamic >= 128 or labelled as a class of Mobility::kPerson.
+/// @param labels   indices into label_set, of the frame's size, or empty
+/// @param dynamic  probability of motion as in MotionResult, of the frame's size, or empty
+/// @return 255 where someone is, else 0, of that size.
+cv::Mat1b someonePixels(cv::Size size, const cv::Mat1b& labels, const cv::Mat1b& dynamic, const LabelSet& label_set);
+
+/// Pixels that must not enter the map in any way: people and moving things; what the same surface goes on to beside
+/// them, since motion is rarely seen on all of a body; and dynamic_margin_px around.
 /// @param depth_m  of the frame, metres, 0 = none
-/// @param labels   indices into label_set, of its size, or empty
-/// @param dynamic  probability of motion as in MotionResult, of its size, or empty
+/// @param someone  as someonePixels() gives it, of its size
 /// @return 255 where excluded, else 0, of that size.
-cv::Mat1b excludedPixels(const cv::Mat1f& depth_m, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
-                         const LabelSet& label_set, const KeyframeCloudConfig& config);
+cv::Mat1b excludedPixels(const cv::Mat1f& depth_m, const cv::Mat1b& someone, const KeyframeCloudConfig& config);
 
 /// Pixels on or beside a depth step that no surface explains: max - min of the valid depths in 3x3 px exceeds
 /// 2 z/f tan(max_incidence) + 3 sigma(z), where sigma(z) = depth_noise z^2.

@@ -28,14 +28,12 @@ class LabelVotes {
   }
 
   /// @return the label with most votes; the smallest such label on a tie, 0 where none was cast.
-  std::uint8_t winner() const {
-    Slot best{0, 0};
-    for (const Slot& slot : slots_) {
-      if (slot.count > best.count || (slot.count == best.count && slot.count > 0 && slot.label < best.label)) {
-        best = slot;
-      }
-    }
-    return best.label;
+  std::uint8_t winner() const { return best().label; }
+  /// @return share of the votes counted at present that are for the winner; 0 where none was cast
+  double share() const {
+    int all = 0;
+    for (const Slot& slot : slots_) all += slot.count;
+    return all == 0 ? 0.0 : static_cast<double>(best().count) / all;
   }
 
  private:
@@ -43,6 +41,16 @@ class LabelVotes {
     std::uint8_t label = 0;
     std::uint8_t count = 0;
   };
+
+  Slot best() const {
+    Slot best{0, 0};
+    for (const Slot& slot : slots_) {
+      if (slot.count > best.count || (slot.count == best.count && slot.count > 0 && slot.label < best.label)) {
+        best = slot;
+      }
+    }
+    return best;
+  }
 
   /// At the end of the range all counts are halved: their proportions stay, and newer votes weigh more.
   void increment(Slot& slot) {

@@ -82,32 +82,39 @@ class SurfaceDistance {
 };
 
 /// A voxel's running mean of signed distances, as a share of the truncation. In whole numbers, the same on every
-/// machine.
+/// machine. Three views in a row that are far from it begin it anew: a thing was put there, or taken away.
 class FusedDistance {
  public:
+  FusedDistance() : weight_(0), far_(0) {}
   bool known() const { return weight_ > 0; }
   /// -1..1 of truncationM()
   float share() const { return static_cast<float>(value_) / kUnit; }
+  static constexpr int kFullWeight = 64;
 
   /// How much one view's distance counts: by the inverse of its variance, 5 mm of which no range takes away (pose and
-  /// calibration). @param sigma_m of one depth at this range  @return 1..256
+  /// calibration). @param sigma_m of one depth at this range  @return 1..kFullWeight
   static int weightOf(float sigma_m) {
     constexpr float kLeastM = 0.005F;
     const float share = kLeastM * kLeastM / (kLeastM * kLeastM + sigma_m * sigma_m);
-    return std::max(1, static_cast<int>(256.0F * share));
+    return std::max(1, static_cast<int>(kFullWeight * share));
   }
   void add(float share, int weight) {
-    constexpr int kMost = 64 * 256;  // older views fade
-    const int value = static_cast<int>(std::lround(std::clamp(share, -1.0F, 1.0F) * kUnit)), sum = weight_ + weight;
+    constexpr int kMost = 64 * kFullWeight;  // older views fade
+    constexpr int kFar = kUnit / 2, kViewsToBeginAnew = 3;
+    const int value = static_cast<int>(std::lround(std::clamp(share, -1.0F, 1.0F) * kUnit));
+    far_ = weight_ > 0 && std::abs(value - value_) > kFar ? far_ + 1 : 0;
+    if (far_ == kViewsToBeginAnew) weight_ = far_ = 0;
+    const int sum = weight_ + weight;
     const int change = weight * (value - value_);
     value_ = static_cast<std::int16_t>(value_ + (change + (change > 0 ? sum : -sum) / 2) / sum);
     weight_ = static_cast<std::uint16_t>(std::min(sum, kMost));
   }
 
  private:
-  static constexpr float kUnit = 10000.0F;
+  static constexpr int kUnit = 10000;
   std::int16_t value_ = 0;
-  std::uint16_t weight_ = 0;
+  std::uint16_t weight_ : 13;
+  std::uint16_t far_ : 3;  // views in a row
 };
 
 }  // namespace semantic_vslam

@@ -34,6 +34,7 @@ struct Surface {
   /// Keyframes since the last hit: that looked through it; that saw nothing before or at it, though no ray surely
   /// passed; that had it in view, hidden or not.
   std::uint16_t misses_since_hit = 0, doubts_since_hit = 0, views_since_hit = 0;
+  std::uint16_t someone = 0;  ///< keyframes that saw a person or a moving thing here, since one looked through it
   std::array<std::uint16_t, 3> bgr_256ths{};  ///< running mean
   LabelVotes votes;
 };
@@ -161,7 +162,8 @@ struct VoxelMap::Impl {
   void carveBlock(const Eigen::Vector3i& block_index, const SE3& T_camera_world, const FreeSpaceView& view,
                   const FreeLimits& limits, const SurfaceDistance& surfaces);
   void miss(Block& block, int local);
-  bool besideConfirmed(const Block& block, int local) const;
+  template <class Is>
+  bool anyBeside(const Block& block, int local, const Is& is) const;
   Occupancy state(const Block& block, int local) const;
   Voxel describe(const Eigen::Vector3i& index, const Block* block, int local) const;
 
@@ -252,7 +254,8 @@ void VoxelMap::Impl::carveBlock(const Eigen::Vector3i& block_index, const SE3& T
                k = static_cast<float>(local & 7);
     const Eigen::Vector3f p = first_voxel + step.col(0) * i + step.col(1) * j + step.col(2) * k;
     if (p.z() <= 0.0F) continue;
-    const float u = fx * p.x() / p.z() + cx, v = fy * p.y() / p.z() + cy;
+    const float inverse_z = 1.0F / p.z();
+    const float u = fx * p.x() * inverse_z + cx, v = fy * p.y() * inverse_z + cy;
     if (!(u >= 0.0F && v >= 0.0F && u < cols && v < rows)) continue;
     const int row = static_cast<int>(v), col = static_cast<int>(u);
     const bool free = p.z() < limit_m(row, col);
@@ -265,8 +268,11 @@ void VoxelMap::Impl::carveBlock(const Eigen::Vector3i& block_index, const SE3& T
         block->distances[local].add(distance_m / truncation_m, FusedDistance::weightOf(noise * p.z() * p.z()));
       }
     }
-    if (free) {
-      miss(*block, local);
+    if (free) miss(*block, local);
+    const float inverse = view.inverse_depth(row, col);
+    if (inverse < 0.0F && std::abs(1.0F + inverse * p.z()) < static_cast<float>(voxel_m) * -inverse) {
+      if (block == nullptr) block = &blocks[key];
+      countUp(block->makeSurface(local).someone);
     }
     Surface* surface = block == nullptr ? nullptr : block->surface(local);
     if (surface == nullptr || surface->last_hit == keyframes || p.z() >= config.free_range_m) continue;
@@ -284,14 +290,16 @@ void VoxelMap::Impl::miss(Block& block, int local) {
     if (surface->last_hit == keyframes) return;
     countUp(surface->misses);
     countUp(surface->misses_since_hit);
+    surface->someone = 0;
   }
   LogOdds& value = block.log_odds[local];
   change(value, missed);
   if (surface != nullptr && surface->misses_since_hit >= kMissesUntilGone) value = std::min<LogOdds>(value, 0);
 }
 
-/// Whether what was seen once goes on from something that was seen more often: within two voxels, in the same block.
-bool VoxelMap::Impl::besideConfirmed(const Block& block, int local) const {
+/// Whether something is so of a surface within two voxels, in the same block.
+template <class Is>
+bool VoxelMap::Impl::anyBeside(const Block& block, int local, const Is& is) const {
   constexpr int kReach = 2;
   const Eigen::Vector3i at(local >> (2 * kBlockBits), (local >> kBlockBits) & (kBlockSide - 1),
                            local & (kBlockSide - 1));
@@ -300,7 +308,7 @@ bool VoxelMap::Impl::besideConfirmed(const Block& block, int local) const {
     for (int y = low.y(); y <= high.y(); ++y) {
       for (int z = low.z(); z <= high.z(); ++z) {
         const Surface* surface = block.surface((x * kBlockSide + y) * kBlockSide + z);
-        if (surface != nullptr && surface->hits >= config.confirming_keyframes) return true;
+        if (surface != nullptr && is(*surface)) return true;
       }
     }
   }
@@ -310,13 +318,19 @@ bool VoxelMap::Impl::besideConfirmed(const Block& block, int local) const {
 Occupancy VoxelMap::Impl::state(const Block& block, int local) const {
   constexpr int kDoubtsUntilGone = 3;  // keyframes
   constexpr int kViewsToConfirm = 10;
+  // Masks miss a person now and then; they take a thing for one more seldom.
+  constexpr int kHitsPerPerson = 2;
   const LogOdds value = block.log_odds[local];
   if (value == kUnknown) return Occupancy::kUnknown;
   if (value <= 0) return Occupancy::kFree;
   const Surface& surface = *block.surface(local);
-  const bool unconfirmed = surface.views_since_hit > kViewsToConfirm && !besideConfirmed(block, local);
-  const bool doubted = surface.misses > 0 || surface.doubts_since_hit >= kDoubtsUntilGone || unconfirmed;
-  if (doubted && surface.hits < config.confirming_keyframes) return Occupancy::kUnknown;
+  if (surface.hits <= kHitsPerPerson * surface.someone) return Occupancy::kUnknown;
+  if (surface.hits < config.confirming_keyframes) {
+    if (surface.misses > 0 || surface.doubts_since_hit >= kDoubtsUntilGone) return Occupancy::kUnknown;
+    if (anyBeside(block, local, [](const Surface& other) { return other.someone > 0; })) return Occupancy::kUnknown;
+    const auto confirmed = [&](const Surface& other) { return other.hits >= config.confirming_keyframes; };
+    if (surface.views_since_hit > kViewsToConfirm && !anyBeside(block, local, confirmed)) return Occupancy::kUnknown;
+  }
   const FusedDistance* distance = block.distance(local);
   if (distance != nullptr &&
       std::abs(distance->share()) * truncation_m > 0.6F * static_cast<float>(config.resolution_m)) {
@@ -338,6 +352,8 @@ Voxel VoxelMap::Impl::describe(const Eigen::Vector3i& index, const Block* block,
     voxel.bgr[channel] = cv::saturate_cast<std::uint8_t>(surface->bgr_256ths[channel] / 256.0);
   }
   voxel.label = surface->votes.winner();
+  voxel.label_share = surface->votes.share();
+  voxel.last_hit = surface->last_hit;
   voxel.hits = surface->hits;
   voxel.misses = surface->misses;
   return voxel;

@@ -22,8 +22,10 @@ struct Voxel {
   double log_odds = 0.0;  ///< of being occupied
   cv::Vec3b bgr;          ///< mean colour of the points in it; black where none
   std::uint8_t label = 0;
-  int hits = 0;    ///< keyframes with a point in it
-  int misses = 0;  ///< keyframes that looked through it after the first point
+  double label_share = 0.0;    ///< of the votes for a label
+  std::uint32_t last_hit = 0;  ///< number of the keyframe that hit it last, counted from 1; 0 = none
+  int hits = 0;                ///< keyframes with a point in it
+  int misses = 0;              ///< keyframes that looked through it after the first point
 };
 
 /// Occupancy, colour and label of space, fused over keyframes (occupancy: Hornung et al. 2013, eq. 2-4).

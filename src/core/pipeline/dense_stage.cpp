@@ -79,6 +79,14 @@ struct DenseStage::Inside {
       return;
     }
   }
+  void look(const KeyframeInput& input, const cv::Mat1b& removed) {
+    const auto beside = std::find_if(poses.begin(), poses.end(),
+                                     [&](const KeyframePose& pose) { return pose.keyframe == input.keyframe.id; });
+    if (input.keyframe.map_id != map_id || beside == poses.end()) return;
+    mapper->look(beside->keyframe, input.frame, input.labels, removed,
+                 beside->T_world_camera * *input.T_keyframe_camera);
+    ++changes;
+  }
   void place() {
     const std::size_t before = waiting.size();
     waiting.place(poses, *mapper);
@@ -113,6 +121,10 @@ bool DenseStage::isOfNewestMap(std::uint32_t map_id) {
 cv::Mat1b DenseStage::add(const KeyframeInput& input) {
   const cv::Mat1b removed = removedPixels(input.motion, input.labels, inside_->label_set, inside_->removal);
   if (!isOfNewestMap(input.keyframe.map_id)) return removed;
+  if (input.T_keyframe_camera) {
+    inside_->look(input, removed);
+    return removed;
+  }
   if (input.keyframe.map_id != inside_->map_id) inside_->start(input.keyframe.map_id);
   inside_->waiting.add({input.keyframe.id, input.frame, input.labels, removed});
   inside_->place();

@@ -31,7 +31,8 @@ class DenseStage {
   ~DenseStage();
   DenseStage(DenseStage&&) noexcept;
 
-  /// Adds a keyframe as soon as its place in the world is known; one of a map that was left is passed over.
+  /// Adds a keyframe as soon as its place in the world is known; one of a map that was left is passed over. A frame
+  /// between keyframes is passed over, too, where the keyframe it lies beside has no known place.
   /// @return what is removed from it, see removedPixels()
   cv::Mat1b add(const KeyframeInput& input);
   /// Takes the poses as they stand. Those of another map begin an empty one.

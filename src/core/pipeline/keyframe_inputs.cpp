@@ -17,7 +17,11 @@ constexpr double kLabelsDisorderS = 2.0;
 }  // namespace
 
 KeyframeInputs::KeyframeInputs(const KeyframeInputsConfig& config, std::size_t kept)
-    : config_(config), frames_(kept), motion_(kept), labels_(std::min(kept, kLabels), kLabelsDisorderS) {}
+    : config_(config),
+      frames_(kept),
+      motion_(kept),
+      labels_(std::min(kept, kLabels), kLabelsDisorderS),
+      places_(kept) {}
 
 void KeyframeInputs::put(PendingFrame frame) {
   const Stamp stamp = frame.stamp;
@@ -28,8 +32,22 @@ void KeyframeInputs::put(Stamp stamp, MotionResult motion) { motion_.put(stamp, 
 
 void KeyframeInputs::put(const FrameLabels& labels) { labels_.put(labels.stamp, labels.labels); }
 
-KeyframeInputs::Named KeyframeInputs::name(const KeyframeNotice& keyframe) const {
-  return {keyframe, frames_.find(keyframe.stamp), motion_.find(keyframe.stamp)};
+void KeyframeInputs::put(const FramePlace& place) { places_.put(place.stamp, place); }
+
+KeyframeInputs::Named KeyframeInputs::name(const KeyframeNotice& keyframe) {
+  last_ = keyframe.stamp;
+  return {keyframe, frames_.find(keyframe.stamp), motion_.find(keyframe.stamp), {}};
+}
+
+std::optional<KeyframeInputs::Named> KeyframeInputs::look(Stamp stamp, const Running& running) {
+  const auto place = places_.find(stamp);
+  if (!place || !last_ || (running.network && !labels_.has(stamp))) return std::nullopt;
+  if (secondsBetween(*last_, stamp) < config_.look_period_s) return std::nullopt;
+  Named named{
+      {place->keyframe, place->map_id, stamp}, frames_.find(stamp), motion_.find(stamp), place->T_keyframe_camera};
+  if (!named.frame || (running.motion && !named.motion)) return std::nullopt;
+  last_ = stamp;
+  return named;
 }
 
 double KeyframeInputs::worthWaitingS(const Named& named, const Running& running, double waited_s) const {
@@ -57,13 +75,14 @@ std::optional<KeyframeInputs::Gathered> KeyframeInputs::gather(const Named& name
     return std::nullopt;
   }
   if (running.motion && !motion && !labels) return std::nullopt;
-  return Gathered{named.keyframe, *frame, motion.value_or(MotionResult()), labels.value_or(cv::Mat1b())};
+  return Gathered{named.keyframe, named.T_keyframe_camera, *frame, motion.value_or(MotionResult()),
+                  labels.value_or(cv::Mat1b())};
 }
 
 std::optional<KeyframeInput> decode(const KeyframeInputs::Gathered& gathered) {
   const std::optional<RgbdFrame> frame = gathered.frame.decode();
   if (!frame) return std::nullopt;
-  return KeyframeInput{gathered.keyframe, *frame, gathered.motion, gathered.labels};
+  return KeyframeInput{gathered.keyframe, gathered.T_keyframe_camera, *frame, gathered.motion, gathered.labels};
 }
 
 }  // namespace semantic_vslam

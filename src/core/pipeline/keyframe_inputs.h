@@ -28,16 +28,17 @@ struct Running {
   bool motion = true, network = false;
 };
 
-/// All that the dense map takes of a keyframe, but for its pose.
+/// All that the dense map takes of a keyframe, but for its pose; or of a frame between keyframes.
 struct KeyframeInput {
-  KeyframeNotice keyframe;
+  KeyframeNotice keyframe;  ///< a frame between: the stamp is its own, the rest that of the keyframe it lies beside
+  std::optional<SE3> T_keyframe_camera;  ///< of a frame between
   RgbdFrame frame;
   MotionResult motion;
   cv::Mat1b labels;  ///< empty: no network runs
 };
 
-/// Brings together by stamp what belongs to a keyframe: images, motion mask and labels, which come at different times.
-/// Knows no thread: it says how long to wait, and who runs it waits.
+/// Says which frames the dense map takes, and brings together by stamp what belongs to each: images, motion mask and
+/// labels, which come at different times. Knows no thread: it says how long to wait, and who runs it waits.
 class KeyframeInputs {
  public:
   /// @param kept  newest images and masks that wait for tracking to name one of them
@@ -46,21 +47,28 @@ class KeyframeInputs {
   void put(PendingFrame frame);
   void put(Stamp stamp, MotionResult motion);
   void put(const FrameLabels& labels);
+  void put(const FramePlace& place);
 
   /// What is kept of a keyframe from when it is named until its turn comes: by then newer frames have pushed it out.
   struct Named {
     KeyframeNotice keyframe;
     std::optional<PendingFrame> frame;
     std::optional<MotionResult> motion;
+    std::optional<SE3> T_keyframe_camera;
   };
   /// To be called as soon as the keyframe is named.
-  Named name(const KeyframeNotice& keyframe) const;
+  Named name(const KeyframeNotice& keyframe);
+  /// A frame between keyframes, once all that belongs to it is here, where none came for look_period_s: a camera that
+  /// stands makes no keyframes, and what changes before it would stay in the map, or never come in. To be called after
+  /// each put() of a place or labels. @param stamp  theirs
+  std::optional<Named> look(Stamp stamp, const Running& running);
   /// @return seconds that it pays to wait for what is missing; 0: gather() now
   double worthWaitingS(const Named& named, const Running& running, double waited_s) const;
   /// All that belongs to a keyframe, its images not decoded yet: that takes long, and somebody may wait for this
   /// object.
   struct Gathered {
     KeyframeNotice keyframe;
+    std::optional<SE3> T_keyframe_camera;
     PendingFrame frame;
     MotionResult motion;
     cv::Mat1b labels;
@@ -80,6 +88,8 @@ class KeyframeInputs {
   StampedStore<PendingFrame> frames_;
   StampedStore<MotionResult> motion_;
   StampedStore<cv::Mat1b> labels_;
+  StampedStore<FramePlace> places_;
+  std::optional<Stamp> last_;  ///< newest frame that was taken
   Counts counts_;
 };
 

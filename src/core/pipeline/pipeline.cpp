@@ -37,11 +37,13 @@ class Pipeline::Stages {
   const StageTimes& times() const { return times_; }
 
  private:
+  Running running() const { return {true, labels_.enabled()}; }
   std::optional<MotionResult> findMotion(const RgbdFrame& frame);
   std::optional<FrameLabels> label(const RgbdFrame& frame);
   TrackingOutput track(TrackingInput input);
   void maintain(TrackingOutput& output, const RgbdFrame& frame);
   void map(const KeyframeNotice& keyframe, StepResult& result);
+  void map(const KeyframeInputs::Named& named, StepResult& result);
   void passBack(const RgbdFrame& frame, const TrackingOutput& output);
 
   const SystemConfig config_;
@@ -78,6 +80,8 @@ StepResult Pipeline::Stages::step(const RgbdFrame& frame) {
   StepResult result{track(std::move(input)), std::move(*motion), {}};
   for (const KeyframeNotice& keyframe : result.keyframes) map(keyframe, result);
   if (labels_.isDue(frame.stamp)) label(frame);
+  if (result.place) inputs_.put(*result.place);
+  if (const auto between = inputs_.look(frame.stamp, running())) map(*between, result);
   passBack(frame, result);
   return result;
 }
@@ -128,12 +132,16 @@ void Pipeline::Stages::maintain(TrackingOutput& output, const RgbdFrame& frame) 
 void Pipeline::Stages::map(const KeyframeNotice& keyframe, StepResult& result) {
   const KeyframeInputs::Named named = inputs_.name(keyframe);
   if (labels_.enabled() && named.frame && !inputs_.hasLabels(keyframe.stamp)) label(*named.frame->decode());
+  map(named, result);
+}
+
+void Pipeline::Stages::map(const KeyframeInputs::Named& named, StepResult& result) {
   if (!config_.dense.enabled) return;
-  const auto gathered = inputs_.gather(named, {true, labels_.enabled()});
+  const auto gathered = inputs_.gather(named, running());
   const std::optional<KeyframeInput> input = gathered ? decode(*gathered) : std::nullopt;
   if (!input) return;
   auto timer = times_.scope("dense_mapping", input->frame.index);
-  result.mapped.push_back({keyframe.stamp, dense_.add(*input)});
+  result.mapped.push_back({named.keyframe.stamp, dense_.add(*input)});
   dense_.take(*result.map);
 }
 

@@ -45,6 +45,12 @@ struct TrackingStage::Inside {
     return !first_wanted || secondsBetween(*first_wanted, input.frame.stamp) < waits.init_wait_s;
   }
 
+  std::optional<FramePlace> placeOf(const TrackingResult& tracking, Stamp stamp) const {
+    const Keyframe* reference = slam.map().keyframe(tracking.reference);
+    if (reference == nullptr) return std::nullopt;
+    return FramePlace{stamp, map_id, reference->id, reference->T_camera_world * tracking.T_camera_world.inverse()};
+  }
+
   const TrackingWaits waits;
   const RemovalConfig removal;
   SparseSlam slam;
@@ -122,6 +128,9 @@ TrackingOutput TrackingStage::track(const TrackingInput& input, const Prepared& 
   output.new_world = step.new_world;
   if (step.first_keyframe) output.keyframes.push_back({*step.first_keyframe, inside_->map_id, step.first_stamp});
   if (step.keyframe) output.keyframes.push_back({*step.keyframe, inside_->map_id, input.frame.stamp});
+  if (output.posed() && !step.keyframe && !options.localization_only) {
+    output.place = inside_->placeOf(step.tracking, input.frame.stamp);
+  }
   output.map = snapshot();
   if (wishes.path > 0) output.path = inside_->slam.trajectory(wishes.path);
   if (wishes.points && !output.keyframes.empty()) output.points = inside_->slam.landmarkPositions();

@@ -28,6 +28,20 @@ void DenseRunner::take(Stamp stamp, const MotionResult& motion) {
 
 void DenseRunner::take(const FrameLabels& labels) {
   inputs_.with([&](KeyframeInputs& inputs) { inputs.put(labels); });
+  look(labels.stamp);
+}
+
+void DenseRunner::take(const FramePlace& place) {
+  inputs_.with([&](KeyframeInputs& inputs) { inputs.put(place); });
+  look(place.stamp);
+}
+
+/// Keyframes go first: while any waits no frame between them is looked at, nor does who brings it wait.
+void DenseRunner::look(Stamp stamp) {
+  if (worker_.waiting() > 0) return;
+  const Running running = hooks_.running();
+  auto named = inputs_.with([&](KeyframeInputs& inputs) { return inputs.look(stamp, running); });
+  if (named) worker_.push([this, named = std::move(*named)] { integrate(named); });
 }
 
 void DenseRunner::take(const LabelSet& label_set) {

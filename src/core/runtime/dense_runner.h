@@ -36,6 +36,7 @@ class DenseRunner {
   void take(const FrameLabels& labels);
   void take(const LabelSet& label_set);
   void take(std::shared_ptr<const MapSnapshot> map);
+  void take(const FramePlace& place);
   /// A keyframe; its images and mask are taken now, while they are here. May block.
   void name(const KeyframeNotice& keyframe);
   /// Runs a task on the stage's thread and waits for it; what it throws is thrown here.
@@ -58,6 +59,7 @@ class DenseRunner {
   using Task = std::function<void()>;
   void work(const Task& task);
   void integrate(const KeyframeInputs::Named& named);
+  void look(Stamp stamp);
 
   DenseStage stage_;  // worker only, until finish()
   const Hooks hooks_;

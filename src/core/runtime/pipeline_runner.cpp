@@ -138,6 +138,7 @@ void PipelineRunner::Threads::onTracked(const TrackingInput& input, const Tracki
     labels_->ask(keyframe.stamp);
     if (config_.dense.enabled) dense_->name(keyframe);
   }
+  if (config_.dense.enabled && output.place) dense_->take(*output.place);
   if (failed_) return;
   try {
     sink_(input.frame, StepResult{output, input.motion, {}});

@@ -23,6 +23,7 @@ DenseMapper wallMap() {
     SE3 T = SE3::Identity();
     T.translation().x() = 0.1 * i;
     EXPECT_TRUE(mapper.add(KeyframeId(3 + i), frame, labels, {}, T));
+    EXPECT_TRUE(mapper.look(KeyframeId(3 + i), frame, labels, {}, T));
   }
   return mapper;
 }

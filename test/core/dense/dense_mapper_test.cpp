@@ -96,6 +96,59 @@ TEST(DenseMapper, APersonNeverEntersAndAMovedChairLeaves) {
   }
 }
 
+/// A chair at 1 m before the wall, in the middle of the view.
+RgbdFrame wallWithChair() {
+  RgbdFrame frame = wallFrame(2.02F);
+  frame.depth_m(cv::Rect(26, 18, 12, 12)) = 1.02F;
+  return frame;
+}
+
+Occupancy chairIn(const DenseMapper& mapper) { return mapper.voxelMap().voxelAt({0.0, 0.0, 1.02}).state; }
+
+TEST(DenseMapper, LooksBetweenKeyframesTakeAwayWhatIsGoneAndAddWhatCame) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  mapper.add(KeyframeId(0), wallWithChair(), {}, {}, SE3::Identity());
+  ASSERT_EQ(chairIn(mapper), Occupancy::kOccupied);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(mapper.look(KeyframeId(0), wallFrame(2.02F), {}, {}, SE3::Identity()));
+  EXPECT_EQ(chairIn(mapper), Occupancy::kFree);
+  for (int i = 0; i < 6; ++i) mapper.look(KeyframeId(0), wallWithChair(), {}, {}, SE3::Identity());
+  EXPECT_EQ(chairIn(mapper), Occupancy::kOccupied);
+  const std::vector<LabelledPoint> cloud = mapper.cloud();
+  EXPECT_TRUE(std::any_of(cloud.begin(), cloud.end(), [](const auto& point) { return point.xyz_m[2] < 1.1F; }));
+}
+
+TEST(DenseMapper, ACameraThatStandsDoesNotMakeTheMapGrow) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  addWall(mapper, 0, SE3::Identity());
+  for (std::size_t i = 0; i < DenseMapper::kLooks; ++i) {
+    mapper.look(KeyframeId(0), wallFrame(2.02F), {}, {}, SE3::Identity());
+  }
+  const std::size_t bytes = mapper.memoryBytes();
+  for (int i = 0; i < 50; ++i) mapper.look(KeyframeId(0), wallFrame(2.02F), {}, {}, SE3::Identity());
+  EXPECT_EQ(mapper.memoryBytes(), bytes);
+  EXPECT_EQ(mapper.keyframes(), 1U);
+  EXPECT_EQ(mapper.views().size(), 1 + DenseMapper::kLooks);
+}
+
+TEST(DenseMapper, LooksMoveWithTheirKeyframeAndLastThroughARebuild) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  mapper.add(KeyframeId(0), wallWithChair(), {}, {}, SE3::Identity());
+  for (int i = 0; i < 3; ++i) mapper.look(KeyframeId(0), wallFrame(2.02F), {}, {}, SE3::Identity());
+  addWall(mapper, 1, translated(3.0, 0.0, 0.0));
+  mapper.updatePoses(
+      {{KeyframeId(0), Stamp{}, translated(0.0, 0.5, 0.0)}, {KeyframeId(1), Stamp{}, translated(3.0, 0.5, 0.0)}});
+  mapper.finish();
+  ASSERT_EQ(mapper.rebuilds(), 1U);
+  EXPECT_EQ(mapper.voxelMap().voxelAt({0.0, 0.5, 1.02}).state, Occupancy::kFree);
+  EXPECT_EQ(mapper.voxelMap().voxelAt({0.0, 0.5, 2.02}).state, Occupancy::kOccupied);
+  for (const TimedPose& view : mapper.views()) EXPECT_DOUBLE_EQ(view.T_world_camera.translation().y(), 0.5);
+}
+
+TEST(DenseMapper, NothingIsLookedAtBeforeThereIsAKeyframe) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  EXPECT_FALSE(mapper.look(KeyframeId(0), wallFrame(2.02F), {}, {}, SE3::Identity()));
+}
+
 TEST(DenseMapper, ASmallChangeOfPoseIsIgnored) {
   DenseMapper mapper(smallConfig(), threeLabels());
   addWall(mapper, 0, SE3::Identity());

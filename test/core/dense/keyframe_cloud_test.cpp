@@ -56,7 +56,7 @@ TEST(KeyframeCloud, ExcludesWhatMovesWithAMargin) {
   const cv::Size size(64, 48);
   cv::Mat1b dynamic(size, std::uint8_t{127});  // not enough to count
   dynamic(20, 30) = 128;
-  const cv::Mat1b excluded = excludedPixels(cv::Mat1f(size, 2.0F), cv::Mat1b(), dynamic, threeLabels(), config);
+  const cv::Mat1b excluded = excludedPixels(cv::Mat1f(size, 2.0F), someonePixels(size, {}, dynamic, {}), config);
   EXPECT_EQ(cv::countNonZero(excluded), 7 * 7);
   EXPECT_EQ(excluded(17, 27), 255);
   EXPECT_EQ(excluded(16, 27), 0);
@@ -70,7 +70,8 @@ TEST(KeyframeCloud, ExcludesPeopleEvenWhereNothingMoves) {
   labels(10, 10) = 1;
   labels(11, 11) = 200;  // not in the set: static
   const cv::Mat1b still(size, std::uint8_t{0});
-  const cv::Mat1b excluded = excludedPixels(cv::Mat1f(size, 2.0F), labels, still, threeLabels(), everyPixel());
+  const cv::Mat1b excluded =
+      excludedPixels(cv::Mat1f(size, 2.0F), someonePixels(size, labels, still, threeLabels()), everyPixel());
   EXPECT_EQ(cv::countNonZero(excluded), 1);
   EXPECT_EQ(excluded(10, 10), 255);
   for (const auto& point : makeKeyframeCloud(KeyframeId(0), wallFrame(2.0F), labels, excluded, everyPixel()).points) {
@@ -138,9 +139,20 @@ TEST(ExcludedPixels, GoOnAlongTheBodyThatWasSeenToMoveInPart) {
   depth_m(body) = 1.5F;
   cv::Mat1b dynamic(depth_m.size(), std::uint8_t{0});
   dynamic(cv::Rect(190, 96, 100, 120)) = 255;  // the upper half, and a rim of the wall behind
-  const cv::Mat1b excluded = excludedPixels(depth_m, cv::Mat1b(), dynamic, threeLabels(), config);
+  const cv::Mat1b excluded = excludedPixels(depth_m, dynamic, config);
   EXPECT_EQ(cv::countNonZero(excluded(body)), body.area());
   EXPECT_EQ(cv::countNonZero(excluded) - cv::countNonZero(dynamic), 80 * 104);  // nothing of the wall
+}
+
+TEST(ExcludedPixels, GoOnAlongTheStripOfABodyThatIsInView) {
+  KeyframeCloudConfig config;
+  config.dynamic_margin_px = 0;
+  cv::Mat1f depth_m(480, 640, 3.0F);
+  const cv::Rect body(624, 200, 16, 120);
+  depth_m(body) = 1.5F;
+  cv::Mat1b someone(depth_m.size(), std::uint8_t{0});
+  someone(cv::Rect(624, 200, 16, 60)) = 255;
+  EXPECT_EQ(cv::countNonZero(excludedPixels(depth_m, someone, config)(body)), body.area());
 }
 
 }  // namespace

@@ -27,7 +27,8 @@ VoxelMap roomMap(const RgbdFrame& frame) {
   KeyframeCloudConfig cloud_config;
   cloud_config.stride_px = 1;
   const auto cloud = makeKeyframeCloud(KeyframeId(0), frame, cv::Mat1b(), cv::Mat1b(), cloud_config);
-  map.integrate(cloud.points, makeFreeSpaceView(frame, cv::Mat1b(), KeyframeCloudConfig(), 2), SE3::Identity());
+  map.integrate(cloud.points, makeFreeSpaceView(frame, cv::Mat1b(), cv::Mat1b(), KeyframeCloudConfig(), 2),
+                SE3::Identity());
   return map;
 }
 
@@ -117,7 +118,7 @@ TEST(OccupancyGrid, WhatIsFarFromAllElseMakesNoGridOfGigabytes) {
   KeyframeCloudConfig cloud_config;
   cloud_config.stride_px = 1;
   const auto cloud = makeKeyframeCloud(KeyframeId(0), frame, cv::Mat1b(), cv::Mat1b(), cloud_config);
-  const FreeSpaceView view = makeFreeSpaceView(frame, cv::Mat1b(), cloud_config, 2);
+  const FreeSpaceView view = makeFreeSpaceView(frame, cv::Mat1b(), cv::Mat1b(), cloud_config, 2);
   for (const double x_m : {-0.5, 0.0, 0.5, 3000.0}) {
     map.integrate(cloud.points, view, SE3(Eigen::Translation3d(x_m, 0.0, 0.0)));
   }

@@ -24,7 +24,8 @@ VoxelMap wallMap() {
   const RgbdFrame frame = wallFrame(2.05F, {0, 0, 200});
   const auto cloud = makeKeyframeCloud(KeyframeId(0), frame, cv::Mat1b(), cv::Mat1b(), KeyframeCloudConfig());
   for (int i = 0; i < 2; ++i)
-    map.integrate(cloud.points, makeFreeSpaceView(frame, cv::Mat1b(), KeyframeCloudConfig(), 2), SE3::Identity());
+    map.integrate(cloud.points, makeFreeSpaceView(frame, cv::Mat1b(), cv::Mat1b(), KeyframeCloudConfig(), 2),
+                  SE3::Identity());
   return map;
 }
 

@@ -24,7 +24,7 @@ void look(VoxelMap& map, const RgbdFrame& frame, const SE3& T_world_camera = SE3
   KeyframeCloudConfig config;
   config.stride_px = 1;
   const auto cloud = makeKeyframeCloud(KeyframeId(0), frame, labels, excluded, config);
-  map.integrate(cloud.points, makeFreeSpaceView(frame, excluded, config, 2), T_world_camera);
+  map.integrate(cloud.points, makeFreeSpaceView(frame, excluded, excluded, config, 2), T_world_camera);
 }
 
 /// A wall at 3 m with a 0.4 m wide thing in the middle of the view at 1.5 m.
@@ -157,6 +157,31 @@ TEST(VoxelMap, WhatIsSeenOnceBeforeSomethingThatReturnsNoLightGoesWhenItIsSeenNo
   EXPECT_EQ(map.voxelAt({0.0, 0.0, 1.55}).state, Occupancy::kOccupied);
   for (int i = 0; i < 3; ++i) look(map, black_screen);
   EXPECT_NE(map.voxelAt({0.0, 0.0, 1.55}).state, Occupancy::kOccupied);
+}
+
+TEST(VoxelMap, WhatMostViewsKnowForAPersonIsNotShownThoughSomeViewsTookHimForAThing) {
+  VoxelMap map(coarse());
+  const RgbdFrame frame = wallWithThing();
+  cv::Mat1b person(frame.depth_m.size(), std::uint8_t{0});
+  person(cv::Rect(23, 15, 18, 18)) = 255;
+  look(map, frame);
+  ASSERT_EQ(map.voxelAt({0.0, 0.0, 1.55}).state, Occupancy::kOccupied);
+  look(map, frame, SE3::Identity(), person);
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 1.55}).state, Occupancy::kUnknown) << "known later: corrected";
+  look(map, frame);
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 1.55}).state, Occupancy::kUnknown);
+  EXPECT_EQ(map.voxelAt({0.9, 0.0, 3.05}).state, Occupancy::kOccupied) << "the wall beside him";
+}
+
+TEST(VoxelMap, AThingIsShownWhereAPersonStoodBefore) {
+  VoxelMap map(coarse());
+  const RgbdFrame frame = wallWithThing();
+  cv::Mat1b person(frame.depth_m.size(), std::uint8_t{0});
+  person(cv::Rect(23, 15, 18, 18)) = 255;
+  for (int i = 0; i < 5; ++i) look(map, frame, SE3::Identity(), person);
+  look(map, wallFrame(3.05F));  // he has gone
+  for (int i = 0; i < 2; ++i) look(map, frame);
+  EXPECT_EQ(map.voxelAt({0.0, 0.0, 1.55}).state, Occupancy::kOccupied);
 }
 
 /// A wall at 2.05 m whose depth in each frame is off by some centimetres, more often before than behind.

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "semantic_vslam/core/common/stamp.h"
+
 namespace semantic_vslam {
 
 /// One coloured, labelled point: 16 bytes. In the camera frame in a KeyframeCloud, in the world elsewhere.
@@ -38,12 +40,18 @@ struct OctreeMessage {
   std::vector<std::int8_t> data;  ///< empty for an empty map
 };
 
-/// A connected piece of the map of one class.
+/// A thing in the map, of one class.
 struct MapObject {
+  std::uint32_t id = 0;  ///< stays while the thing does, see ObjectList; 0: not given
   std::uint8_t label = 0;
   int points = 0;
-  Eigen::Vector3d centroid_m = Eigen::Vector3d::Zero();  ///< mean of its points
+  double confidence = 0.0;                               ///< share of the votes over its surface that are for the label
+  Stamp last_seen;                                       ///< newest frame with a point on it
+  Eigen::Vector3d centroid_m = Eigen::Vector3d::Zero();  ///< mean of its seen surface, however densely that was seen
   Eigen::AlignedBox3d box_m;                             ///< round its points, along the axes of the cloud's frame
+  /// The smallest upright box round its points: its middle, its size along its own axes, and its turn about z.
+  Eigen::Vector3d middle_m = Eigen::Vector3d::Zero(), size_m = Eigen::Vector3d::Zero();
+  double yaw_rad = 0.0;
 };
 
 }  // namespace semantic_vslam

@@ -59,16 +59,21 @@ struct TrackingWaits {
   }
 };
 
-/// How long a keyframe waits for what belongs to it.
+/// How long a keyframe waits for what belongs to it, and how long the dense map waits for a keyframe.
 struct KeyframeInputsConfig {
   double labels_wait_s = 3.0;
   double mask_wait_s = 0.5;
+  double look_period_s = 0.45;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v.field("labels_wait_s", labels_wait_s, 0.0, 30.0,
             "s a keyframe waits for its labels while a network runs; without them it stays out of the map");
     v.field("mask_wait_s", mask_wait_s, 0.0, 30.0, "s a keyframe waits for its motion mask");
+    v.field(
+        "look_period_s", look_period_s, 0.05, 3600.0,
+        "s without a keyframe after which the dense map looks at a frame between, one that has labels where a network "
+        "runs; a little less than segmentation.longest_gap_s, so that no frame is labelled for it");
   }
 };
 

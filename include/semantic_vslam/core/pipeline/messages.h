@@ -32,6 +32,14 @@ struct KeyframeNotice {
   Stamp stamp;
 };
 
+/// Where a frame lies that is no keyframe: beside one, so that it moves with it.
+struct FramePlace {
+  Stamp stamp;
+  std::uint32_t map_id = 0;  ///< of MapSnapshot
+  KeyframeId keyframe;       ///< its reference in the sparse map
+  SE3 T_keyframe_camera = SE3::Identity();
+};
+
 /// The sparse map after a step or after its upkeep: one state of it, which nobody changes any more.
 struct MapSnapshot {
   std::uint32_t map_id = 0;   ///< changes when another map takes the place of the last one: older keyframes are gone
@@ -51,6 +59,7 @@ struct TrackingOutput {
   bool is_keyframe = false;
   bool new_world = false;                 ///< what was mapped before is dropped: poses are relative to another map now
   std::vector<KeyframeNotice> keyframes;  ///< made in this step: k1 with the first map, and this frame
+  std::optional<FramePlace> place;        ///< of a posed frame that is no keyframe, while maps may change
   std::shared_ptr<const MapSnapshot> map;
   std::vector<TimedPose> path;          ///< of all frames whose place in the world is known, as wished
   std::vector<Eigen::Vector3d> points;  ///< landmarks whose place in the world is known, metres, as wished

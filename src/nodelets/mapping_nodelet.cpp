@@ -40,10 +40,10 @@ struct MappingNodeletConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v.text("map_frame", map_frame, "frame_id of the maps");
-    v.text(
-        "output_directory", output_directory,
-        "where ~save writes cloud.pcd, map.ot and map.dense, of which the last is read when tracking loads the map it "
-        "belongs to");
+    v.text("output_directory", output_directory,
+           "where ~save writes cloud.pcd, map.ot, mesh.ply and map.dense, of which the last is read when tracking "
+           "loads the map it "
+           "belongs to");
     v.text("map", map, "folder with a saved map that tracking loads at the start, see its ~map");
     v.field("budget_ms", budget_ms, 1.0, 10000.0, "ms a keyframe may take before the diagnostics warn");
     v.field("publish_period_s", publish_period_s, 0.1, 60.0, "s between publications of a map that changes");
@@ -107,7 +107,7 @@ MappingTopics::MappingTopics(const NodeletHandles& node)
   });
   inputs_.trigger("save", [this] {
     runner_.run([this](DenseStage& stage) { save(stage); });
-    return "cloud.pcd, map.ot and map.dense saved in " + output_;
+    return "cloud.pcd, map.ot, mesh.ply and map.dense saved in " + output_;
   });
   // With the sparse map, so that both can be loaded as one.
   inputs_.waitingTopic<std_msgs::UInt32>("tracking/map_saved", 1, [this](const auto&) {
@@ -176,6 +176,7 @@ void MappingTopics::save(DenseStage& stage) const {
   stage.save(output_ + kDenseFile);
   stage.map().saveCloud(output_ + "/cloud.pcd");
   stage.map().saveOctomap(output_ + "/map.ot");
+  stage.map().saveMesh(output_ + "/mesh.ply");
 }
 
 void MappingTopics::describe(StageDiagnostics::Status& status) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/dense/cloud_file.h"
+#include "core/dense/surface_mesh.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/log.h"
 
@@ -65,7 +66,7 @@ auto nearestInTime(Keyframes& keyframes, KeyframeId id) {
 }  // namespace
 
 DenseMapper::DenseMapper(const DenseConfig& config, const LabelSet& labels)
-    : config_(validated(config)), labels_(labels), served_{VoxelMap(config.voxels), {}} {}
+    : config_(validated(config)), labels_(labels), served_{VoxelMap(config.voxels), {}, {}} {}
 
 bool DenseMapper::add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
                       const SE3& T_world_camera) {
@@ -311,9 +312,11 @@ OccupancyGrid DenseMapper::projectedMap(const SE3& T_map_world) const {
                : projectToGrid(served_.voxels, T_map_world, config_.grid);
 }
 
-void DenseMapper::saveCloud(const std::string& path) const { writePcd(cloud(), path); }
+void DenseMapper::saveCloud(const std::string& path) const { writePcd(cloud(), labels_, path); }
 
 void DenseMapper::saveOctomap(const std::string& path) const { saveOctree(served_.voxels, path); }
+
+void DenseMapper::saveMesh(const std::string& path) const { writePly(makeSurfaceMesh(served_.voxels), labels_, path); }
 
 void DenseMapper::clear() {
   keyframes_.clear();

@@ -79,6 +79,7 @@ class DenseMapper {
   /// Each writes the file whole or not at all. @throws FileError naming path and cause.
   void saveCloud(const std::string& path) const;
   void saveOctomap(const std::string& path) const;
+  void saveMesh(const std::string& path) const;
 
   void clear();
 

@@ -25,7 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSummary = "summary.json";
-constexpr std::array kFiles{"trajectory.txt", "keyframes.txt", "timing.csv", "cloud.pcd", "map.ot", "overview.png"};
+constexpr std::array kFiles{"trajectory.txt", "keyframes.txt", "timing.csv",  "cloud.pcd",
+                            "map.ot",         "mesh.ply",      "overview.png"};
 constexpr std::array kPictureFolders{"masks", "removed"};
 
 // More than this share of moving things in a picture leaves no room to be seen.
@@ -114,8 +115,9 @@ void RunRecorder::writeResults(const std::string& folder, const Results& results
   results.times.writeCsv(folder + "/timing.csv");
   const std::vector<LabelledPoint> cloud = results.dense.cloud();
   if (dense.enabled) {
-    writePcd(cloud, folder + "/cloud.pcd");
+    writePcd(cloud, results.dense.labels(), folder + "/cloud.pcd");
     results.dense.saveOctomap(folder + "/map.ot");
+    results.dense.saveMesh(folder + "/mesh.ply");
   }
   report_.posed = trajectory.size();
   report_.keyframes = results.slam.keyframeCount();

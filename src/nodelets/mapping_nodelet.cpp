@@ -36,7 +36,8 @@ struct MappingNodeletConfig {
   void visit(Visitor& v) {
     v.text("map_frame", map_frame, "frame_id of the maps");
     v.text("output_directory", output_directory,
-           "where ~save writes map.dense, cloud.pcd, map.ot, map.bt, grid.pgm and grid.yaml, of which the first is "
+           "where ~save writes map.dense, cloud.pcd, mesh.ply, map.ot, map.bt, grid.pgm and grid.yaml, of which the "
+           "first is "
            "read when tracking loads the map it "
            "belongs to");
     v.text("map", map, "folder with a saved map that tracking loads at the start, see its ~map");

@@ -34,7 +34,7 @@ std::string DenseMapFiles::save(DenseStage& stage) const {
   stage.map().finish();
   stage.save(output_ + kDenseFile);
   stage.map().saveForOthers(output_);
-  return "map.dense, cloud.pcd, map.ot, map.bt, grid.pgm and grid.yaml saved in " + output_;
+  return "map.dense, cloud.pcd, mesh.ply, map.ot, map.bt, grid.pgm and grid.yaml saved in " + output_;
 }
 
 void DenseMapFiles::saveWithSparse(DenseStage& stage) const {

@@ -39,7 +39,7 @@ using Clock = std::chrono::steady_clock;
 constexpr const char* kUsage =
     "usage: run_offline SEQUENCE_DIR_OR_BAG --camera FILE --out DIR [options]\n"
     "Runs a TUM folder or a bag through the whole system. DIR gets trajectory.txt and keyframes.txt (TUM format),\n"
-    "cloud.pcd, map.ot, timing.csv, summary.json and overview.png.\n"
+    "cloud.pcd, map.ot, mesh.ply, timing.csv, summary.json and overview.png.\n"
     "  --camera FILE        cfg/cameras/*.yaml; a bag may do without it: then its camera_info holds\n"
     "  --config FILE        YAML with any of the keys of --list-config\n"
     "  --set KEY=VALUE      one key; may be repeated, holds over --config\n"

@@ -46,7 +46,8 @@ class BenchTest(unittest.TestCase):
                 "objects": {"chair": {"things": 3, "listed_once": 2, "centroid_error_m": [0.02, 0.05]}}}
         self.assertEqual(missed(bench_dense.rooms_table([room])),
                          ["voxels beyond 5 cm of anything, %", "chair: listed once; centroid off, m (mid, worst)"])
-        text = bench_dense.sequence_table("walk", {"left_over": 0.004, "found_again": 0.91})
+        text = bench_dense.sequence_table("walk", {"left_over": 0.004, "left_over_of_people": 0.001, "found_again": 0.91,
+                                                      "found_of_seen": 0.96, "insertion_ms": 20.0})
         self.assertEqual(missed(text), ["walk: empty room found again, %"])
 
     def test_growth_counts_from_the_second_pass(self):

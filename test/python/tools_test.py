@@ -106,7 +106,7 @@ class ToolsTest(unittest.TestCase):
         self.assertLess(summary["ate_rmse_m"], 0.01)
         self.assertGreater(summary["cloud_points"], 1000)
         self.assertIn("tracking", summary["stages"])
-        for name in ("trajectory.txt", "keyframes.txt", "cloud.pcd", "map.ot", "timing.csv", "overview.png"):
+        for name in ("trajectory.txt", "keyframes.txt", "cloud.pcd", "map.ot", "mesh.ply", "timing.csv", "overview.png"):
             self.assertGreater(os.path.getsize(os.path.join(self.out("run"), name)), 0, name)
         self.assertEqual(len(os.listdir(os.path.join(self.out("run"), "masks"))), FRAMES)
 

@@ -7,7 +7,6 @@
 #include "core/common/atomic_file.h"
 
 namespace semantic_vslam {
-namespace {
 
 void appendLittleEndian(std::string& out, std::uint32_t value) {
   for (int byte = 0; byte < 4; ++byte) out.push_back(static_cast<char>(value >> (8 * byte) & 0xFF));
@@ -20,9 +19,19 @@ void appendFloat(std::string& out, float value) {
   appendLittleEndian(out, bits);
 }
 
-std::string pcdHeader(std::size_t points) {
+std::string labelComments(const LabelSet& labels, const std::string& comment) {
+  std::string lines;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    lines += comment + " label " + std::to_string(i) + " " + labels.classes[i].name + "\n";
+  }
+  return lines;
+}
+
+namespace {
+
+std::string pcdHeader(std::size_t points, const LabelSet& labels) {
   const std::string count = std::to_string(points);
-  return "# .PCD v0.7 - Point Cloud Data file format\n"
+  return "# .PCD v0.7 - Point Cloud Data file format\n" + labelComments(labels, "#") +
          "VERSION 0.7\n"
          "FIELDS x y z rgb label\n"
          "SIZE 4 4 4 4 4\n"
@@ -34,9 +43,9 @@ std::string pcdHeader(std::size_t points) {
 
 }  // namespace
 
-void writePcd(const std::vector<LabelledPoint>& points, const std::string& path) {
+void writePcd(const std::vector<LabelledPoint>& points, const LabelSet& labels, const std::string& path) {
   constexpr std::size_t kPointBytes = 20;
-  std::string content = pcdHeader(points.size());
+  std::string content = pcdHeader(points.size(), labels);
   content.reserve(content.size() + kPointBytes * points.size());
   for (const LabelledPoint& point : points) {
     for (int axis = 0; axis < 3; ++axis) appendFloat(content, point.xyz_m[axis]);

@@ -11,6 +11,7 @@
 
 #include "core/dense/cloud_file.h"
 #include "core/dense/grid_file.h"
+#include "core/dense/surface_mesh.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/log.h"
 
@@ -66,7 +67,7 @@ auto nearestInTime(Keyframes& keyframes, KeyframeId id) {
 }  // namespace
 
 DenseMapper::DenseMapper(const DenseConfig& config, const LabelSet& labels)
-    : config_(validated(config)), labels_(labels), served_{VoxelMap(config.voxels), {}} {}
+    : config_(validated(config)), labels_(labels), served_{VoxelMap(config.voxels), {}, {}} {}
 
 bool DenseMapper::add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
                       const SE3& T_world_camera) {
@@ -312,13 +313,14 @@ OccupancyGrid DenseMapper::projectedMap(const SE3& T_map_world) const {
                : projectToGrid(served_.voxels, T_map_world, config_.grid);
 }
 
-void DenseMapper::saveCloud(const std::string& path) const { writePcd(cloud(), path); }
+void DenseMapper::saveCloud(const std::string& path) const { writePcd(cloud(), labels_, path); }
 
 void DenseMapper::saveOctomap(const std::string& path) const { saveOctree(served_.voxels, path); }
 
 void DenseMapper::saveForOthers(const std::string& folder) const {
   saveCloud(folder + "/cloud.pcd");
   saveOctomap(folder + "/map.ot");
+  saveMesh(folder + "/mesh.ply");
   saveBinaryOctree(served_.voxels, folder + "/map.bt");
   const OccupancyGrid grid = projectedMap(SE3::Identity());
   if (!grid.cells.empty()) writeGrid(grid, folder + "/grid");
@@ -335,6 +337,8 @@ void DenseMapper::clearBox(const Eigen::AlignedBox3d& box_m) {
   next_.emplace(Version{VoxelMap(config_.voxels), {}});
   finish();
 }
+
+void DenseMapper::saveMesh(const std::string& path) const { writePly(makeSurfaceMesh(served_.voxels), labels_, path); }
 
 void DenseMapper::clear() {
   keyframes_.clear();

@@ -80,7 +80,9 @@ class DenseMapper {
   /// Each writes the file whole or not at all. @throws FileError naming path and cause.
   void saveCloud(const std::string& path) const;
   void saveOctomap(const std::string& path) const;
-  /// cloud.pcd, map.ot, map.bt and, where the grid has cells, grid.pgm and grid.yaml, of a world whose z is up.
+  void saveMesh(const std::string& path) const;
+  /// cloud.pcd, mesh.ply, map.ot, map.bt and, where the grid has cells, grid.pgm and grid.yaml, of a world whose z is
+  /// up.
   /// @throws FileError naming path and cause
   void saveForOthers(const std::string& folder) const;
 

@@ -382,6 +382,16 @@ Voxel VoxelMap::voxel(const Eigen::Vector3i& index) const {
   return impl_->describe(index, block, static_cast<int>(key & (kBlockVoxels - 1)));
 }
 
+std::optional<float> VoxelMap::distance(const Eigen::Vector3i& index) const {
+  if (!inVoxelRange(index)) return std::nullopt;
+  const VoxelKey key = voxelKey(index);
+  const auto found = impl_->blocks.find(key >> (3 * kBlockBits));
+  if (found == impl_->blocks.end()) return std::nullopt;
+  const FusedDistance* fused = found->second.distance(static_cast<int>(key & (kBlockVoxels - 1)));
+  if (fused == nullptr) return std::nullopt;
+  return fused->share() * impl_->truncation_m;
+}
+
 Voxel VoxelMap::voxelAt(const Eigen::Vector3d& point_world) const {
   return voxel(voxelIndexAt(point_world, impl_->config.resolution_m));
 }

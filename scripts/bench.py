@@ -48,6 +48,7 @@ def run_once(sequence, camera, out_dir, options=()):
             "ate_worst_m": summary["ate_m"]["max"],
             "rpe_rmse_m": summary["rpe_1s_translation_m"]["rmse"],
             **{f"mask_{key}": (summary["mask"] or {}).get(key) for key in ("iou", "precision", "recall")},
+            "dynamic_share": summary["motion"]["mean_dynamic_share"],
             "peak_memory_mb": summary["peak_memory_mb"], "start_s": summary["start_s"],
             "initialising": summary["frames_in_state"].get("INITIALISING", 0), "dropped_late": summary["dropped_late"],
             "latency_ms": summary["latency_ms"],

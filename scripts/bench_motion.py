@@ -57,6 +57,24 @@ def ablation(run, network):
     return results, "\n".join([f"{'':12}" + HEADER] + [f"{name:12}" + row(runs) for name, runs in results.items()])
 
 
+def evidence(run, network):
+    """What the map's memory of the room and the labels give, each alone and both (the default)"""
+    forgets = settings(motion__room__max_references=0)
+    variants = {"none": forgets + settings(segmentation__model=""), "memory": settings(segmentation__model="")}
+    if network:
+        variants["labels"] = forgets + settings(segmentation__model=network)
+        variants["both"] = settings(segmentation__model=network)
+    results = {name: run("evidence_" + name, *SPARSE, *options) for name, options in variants.items()}
+    if network and median_of(results["none"], "mask_iou") is None:
+        # Nobody is in the recording: what labels alone call dynamic are pixels falsely called a person.
+        results["labels only"] = run("evidence_labels_only", *SPARSE,
+                                     *settings(motion__model="none", segmentation__model=network))
+    lines = [f"{'':12}" + HEADER + f"{'dynamic %':>11}"]
+    lines += [f"{name:12}" + row(runs) + number(median_of(runs, "dynamic_share"), ".2f", 11, 100)
+              for name, runs in results.items()]
+    return results, "\n".join(lines)
+
+
 def delays(run, network):
     """Masks that come late, or never. The last row has no network at all: what lost masks must come down to."""
     results = {}
@@ -114,4 +132,4 @@ def realtime(run, network):
     return results, "\n".join(lines)
 
 
-PARTS = {"ablation": ablation, "delays": delays, "starts": starts, "realtime": realtime}
+PARTS = {"ablation": ablation, "evidence": evidence, "delays": delays, "starts": starts, "realtime": realtime}

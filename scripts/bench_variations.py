@@ -137,6 +137,14 @@ def blur(index, bgr, depth, mask):
     return cv2.filter2D(bgr, -1, kernel / kernel.sum()), depth, mask
 
 
+def depth_shifted(index, bgr, depth, mask):
+    """Depth that lies 3 px to the right and 2 px above of where colour shows it: a camera that is registered badly."""
+    import numpy
+    shifted = numpy.zeros_like(depth)
+    shifted[:-2, 3:] = depth[2:, :-3]
+    return bgr, shifted, mask
+
+
 def quarter(index, bgr, depth, mask):
     """320x240: colour by area, depth every second pixel."""
     import cv2
@@ -152,7 +160,8 @@ def _keep(frames, truth):
 # name: (frames and truth -> the same, changed; change of the pictures or None)
 VARIATIONS = {"backwards": (backwards, None), "15 Hz": (every(2), None), "10 Hz": (every(3), None),
               "noise x 2": (_keep, noise), "holes": (_keep, holes), "dark": (_keep, dark), "flicker": (_keep, flicker),
-              "blur": (_keep, blur), "depth late": (depth_late, None), "320x240": (_keep, quarter)}
+              "blur": (_keep, blur), "depth late": (depth_late, None),
+              "depth 3 px off": (_keep, depth_shifted), "320x240": (_keep, quarter)}
 NAMES = ("starts", *VARIATIONS)
 
 

@@ -15,6 +15,8 @@ sys.path.append(os.path.join(os.path.dirname(__file__), "..", "..", "scripts"))
 import bench
 import bench_dense
 import bench_map
+import bench_motion
+import bench_variations
 
 
 def printing(numbers):
@@ -58,7 +60,8 @@ class BenchTest(unittest.TestCase):
     def test_a_run_s_figures_are_those_of_its_summary(self):
         error = {"rmse": 0.01, "mean": 0.0, "max": 0.03}
         summary = {"frames": 40, "posed": 39, "keyframes": 5, "landmarks": 600, "ate_m": error,
-                   "rpe_1s_translation_m": {"rmse": 0.02}, "mask": None, "peak_memory_mb": 90.0, "start_s": 0.1,
+                   "rpe_1s_translation_m": {"rmse": 0.02}, "mask": None,
+                   "motion": {"mean_dynamic_share": 0.004}, "peak_memory_mb": 90.0, "start_s": 0.1,
                    "frames_in_state": {"OK": 40}, "dropped_late": 0, "latency_ms": None,
                    "stages": {"tracking": {"cpu_ms": {"median": 8.0, "p95": 12.0, "worst": 20.0}}}}
         with tempfile.TemporaryDirectory() as folder, mock.patch.object(bench, "run"):
@@ -74,6 +77,36 @@ class BenchTest(unittest.TestCase):
             write()
             with self.assertRaisesRegex(bench.BenchError, "DIR"):
                 bench.run_once("DIR", "FILE", folder)
+
+    def test_labels_alone_are_judged_where_nobody_is(self):
+        asked = {}
+
+        def run(mask_iou):
+            def one(name, *options):
+                asked[name] = options
+                return [{"posed": 40, "frames": 40, "ate_rmse_m": 0.01, "rpe_rmse_m": 0.02, "mask_iou": mask_iou,
+                         "mask_precision": mask_iou, "mask_recall": mask_iou, "dynamic_share": 0.004,
+                         "cpu_ms": {"motion": (2.0, 3.0)}}]
+            return one
+        results, text = bench_motion.evidence(run(None), "n.onnx")
+        self.assertEqual(list(results), ["none", "memory", "labels", "both", "labels only"])
+        self.assertTrue(all(line.endswith("0.40") for line in text.splitlines()[1:]))
+        for name, forgets, network in (("none", True, ""), ("memory", False, ""), ("labels", True, "n.onnx"),
+                                       ("both", False, "n.onnx")):
+            options = asked["evidence_" + name]
+            self.assertEqual("motion.room.max_references=0" in options, forgets)
+            self.assertIn("segmentation.model=" + network, options)
+        self.assertEqual(list(bench_motion.evidence(run(0.8), "n.onnx")[0]), ["none", "memory", "labels", "both"])
+
+    def test_depth_is_shifted_to_the_right_and_up(self):
+        try:
+            import numpy
+        except ImportError:
+            self.skipTest("numpy is not installed")
+        depth = numpy.zeros((20, 30), numpy.uint16)
+        depth[10, 10] = 5000
+        shifted = bench_variations.depth_shifted(0, None, depth, None)[1]
+        self.assertEqual([list(at) for at in numpy.argwhere(shifted)], [[8, 13]])
 
     def test_no_seeds_and_no_runs_are_refused(self):
         for option in ("--seeds", "--runs"):

@@ -92,6 +92,16 @@ std::string format(const char* form, Values... values) {
   return text;
 }
 
+/// A line of the process's status, MB; 0 where the system does not tell.
+double statusMb(const char* name) {
+  std::ifstream status("/proc/self/status");
+  for (std::string key; status >> key;) {
+    double kilobytes = 0.0;
+    if (key == name && status >> kilobytes) return kilobytes / 1024.0;
+  }
+  return 0.0;
+}
+
 }  // namespace
 
 std::string toJson(const RunReport& r) {
@@ -169,14 +179,9 @@ std::string toText(const RunReport& r) {
   return text + format("%.1f s in all, peak memory %.0f MB\n", r.wall_s, r.peak_memory_mb);
 }
 
-double peakMemoryMb() {
-  std::ifstream status("/proc/self/status");
-  for (std::string key; status >> key;) {
-    double kilobytes = 0.0;
-    if (key == "VmHWM:" && status >> kilobytes) return kilobytes / 1024.0;
-  }
-  return 0.0;
-}
+double peakMemoryMb() { return statusMb("VmHWM:"); }
+
+double residentMemoryMb() { return statusMb("VmRSS:"); }
 
 double secondsSinceProcessStart() {
   std::ifstream stat("/proc/self/stat");

@@ -61,6 +61,8 @@ std::string toText(const RunReport& report);
 
 /// @return highest resident memory of this process so far (VmHWM), MB; 0 where the system does not tell.
 double peakMemoryMb();
+/// @return the same at present (VmRSS).
+double residentMemoryMb();
 /// @return time since this process was started, to 0.01 s; 0 where the system does not tell.
 double secondsSinceProcessStart();
 

@@ -140,6 +140,7 @@ PendingFrame TrackingTopics::withBody(PendingFrame frame) {
 void TrackingTopics::offerServices() {
   inputs_.trigger("reset", [this] {
     runner_.change([](TrackingStage& stage) { stage.reset(); });
+    files_.forget();
     return std::string("map and trajectory are dropped");
   });
   inputs_.trigger("save_map", [this] { return files_.saveMap(); });

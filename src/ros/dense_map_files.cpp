@@ -42,9 +42,10 @@ void DenseMapFiles::saveWithSparse(DenseStage& stage) const {
 }
 
 void DenseMapFiles::keepForRecovery(DenseStage& stage) {
-  recovery_.keep(stage.changes() + stage.map().keyframes(), [&](const std::string& path) {
-    if (stage.map().keyframes() > 0) stage.save(path);
-  });
+  if (stage.map().keyframes() == 0) return recovery_.forgetOwn();
+  // A keyframe that comes while an old one is forgotten is a change, too.
+  const std::size_t state = stage.changes() + stage.map().keyframes() + stage.map().forgotten();
+  recovery_.keep(state, [&](const std::string& path) { stage.save(path); });
 }
 
 }  // namespace semantic_vslam

@@ -48,6 +48,7 @@ std::optional<std::string> Recovery::left() const {
 }
 
 void Recovery::keep(std::size_t state, const std::function<void(const std::string&)>& write) {
+  const std::lock_guard<std::mutex> lock(mutex_);
   const ros::SteadyTime begin = ros::SteadyTime::now();
   if (state == kept_ || begin < next_) return;
   try {
@@ -59,6 +60,21 @@ void Recovery::keep(std::size_t state, const std::function<void(const std::strin
   }
   const ros::SteadyTime end = ros::SteadyTime::now();
   next_ = end + std::max(kShortest, (end - begin) * kRestPerWork);
+}
+
+void Recovery::forgetOwn() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (kept_ == 0) return;
+  }
+  forget();
+}
+
+void Recovery::forget() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::error_code error;
+  fs::remove(path_, error);
+  kept_ = 0;
 }
 
 std::string outputFolder(const std::string& folder) {

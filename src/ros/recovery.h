@@ -6,6 +6,7 @@
 #include <ros/time.h>
 
 #include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -23,8 +24,13 @@ class Recovery {
   /// Has the file written, unless `state` is what it was last time or writing it so soon would take more than a
   /// hundredth of the time. What write() throws is said once.
   void keep(std::size_t state, const std::function<void(const std::string& path)>& write);
+  /// Nothing is left: what was mapped so far is not wanted any more. Waits for a keep() under way.
+  void forget();
+  /// The same, but for what a killed node left: it may not have been taken up yet.
+  void forgetOwn();
 
  private:
+  std::mutex mutex_;
   std::string path_;
   bool restarted_ = false, warned_ = false;
   std::size_t kept_ = 0;

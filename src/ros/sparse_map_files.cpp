@@ -86,8 +86,11 @@ void SparseMapFiles::keepForRecovery() {
     version = stage.slam().posesVersion();
     keyframes = stage.slam().keyframeCount();
   });
-  if (keyframes == 0) return;
-  recovery_.keep(version, [this](const std::string& path) { SparseSlam::saveMap(path, copyMap()); });
+  if (keyframes == 0) return recovery_.forgetOwn();
+  recovery_.keep(version, [this](const std::string& path) {
+    const Map map = copyMap();
+    if (!map.keyframes().empty()) SparseSlam::saveMap(path, map);  // else it was dropped meanwhile
+  });
 }
 
 }  // namespace semantic_vslam

@@ -29,6 +29,8 @@ class SparseMapFiles {
   std::string saveTrajectory() const;
   /// To be called now and then.
   void keepForRecovery();
+  /// The map was dropped: the node that takes the place of this one when it is killed gets none.
+  void forget() { recovery_.forget(); }
 
  private:
   Map copyMap() const;

@@ -111,6 +111,15 @@ class RecoveryTest(unittest.TestCase):
         self.assertTrue(answer.success, answer.message)
         self.check_map()
 
+    def test_5_a_map_that_was_dropped_does_not_come_back(self):
+        self.assertGreater(self.sizes()[0], 0)
+        self.assertTrue(rospy.ServiceProxy("/slam_tracking/reset", Trigger)().success)
+        wait_until(lambda: self.sizes()[0] == 0, 20, "an empty map")
+        self.kill("slam_manager" if self.nodelets else "slam_tracking")  # before the next time that anything is kept
+        wait_for_stages("tracking", "motion", "mapping")
+        time.sleep(2.0)
+        self.assertEqual(self.sizes()[0], 0)
+
     @staticmethod
     def folder():
         answer = rospy.ServiceProxy("/slam_mapping/save", Trigger)()

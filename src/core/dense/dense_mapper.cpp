@@ -21,6 +21,9 @@ namespace {
 // A tree of OctoMap has this many cells on each side of its origin.
 constexpr double kOctomapCells = 32768;
 constexpr double kFarthestPointM = 20.0;  // from a camera
+// Three keyframes in a row free a voxel: with two that were culled for each that was not, a place has about three views
+// of late. A first visit of a place stays below this.
+constexpr std::size_t kCulledPerHeld = 2;
 
 const DenseConfig& validated(const DenseConfig& config) {
   validateConfig(config);
@@ -167,6 +170,7 @@ void DenseMapper::updatePoses(const std::vector<KeyframePose>& poses) {
     if (optimised.count(id) == 0) kept.T_world_camera = poseAmong(optimised, id);
   }
   for (const auto& [id, T_world_camera] : optimised) keyframes_.at(id).T_world_camera = T_world_camera;
+  forgetOldCulled();
   if (!busy() && stale()) startRebuild();
   work();
 }
@@ -240,11 +244,23 @@ void DenseMapper::keepToBudget() {
   }
 }
 
+void DenseMapper::forgetOldCulled() {
+  const auto culled = static_cast<std::size_t>(
+      std::count_if(keyframes_.begin(), keyframes_.end(), [](const auto& item) { return item.second.culled; }));
+  const std::size_t most = kCulledPerHeld * (keyframes_.size() - culled);
+  std::size_t too_many = culled - std::min(culled, most);
+  for (auto it = keyframes_.begin(); it != keyframes_.end() && too_many > 0;) {
+    if (it->second.culled) --too_many;
+    it = it->second.culled ? forget(it) : std::next(it);
+  }
+}
+
 std::map<KeyframeId, DenseKeyframe>::iterator DenseMapper::forget(
     std::map<KeyframeId, DenseKeyframe>::iterator keyframe) {
   kept_bytes_ -= bytesOf(keyframe->second);
   served_.T_world_camera.erase(keyframe->first);
   if (next_) next_->T_world_camera.erase(keyframe->first);
+  ++forgotten_;
   return keyframes_.erase(keyframe);
 }
 
@@ -328,13 +344,15 @@ void DenseMapper::saveForOthers(const std::string& folder) const {
 
 void DenseMapper::clearBox(const Eigen::AlignedBox3d& box_m) {
   finish();
-  for (auto& [id, kept] : keyframes_) {
-    const SE3& T_world_camera = kept.T_world_camera;
-    std::vector<LabelledPoint>& points = kept.cloud.points;
+  const auto forgetInside = [&](std::vector<LabelledPoint>& points, const SE3& T_world_camera) {
     const auto inside = [&](const LabelledPoint& point) { return box_m.contains(T_world_camera * point.position()); };
     points.erase(std::remove_if(points.begin(), points.end(), inside), points.end());
+  };
+  for (auto& [id, kept] : keyframes_) {
+    forgetInside(kept.cloud.points, kept.T_world_camera);
+    for (DenseLook& look : kept.looks) forgetInside(look.cloud.points, kept.T_world_camera * look.T_keyframe_camera);
   }
-  next_.emplace(Version{VoxelMap(config_.voxels), {}});
+  startRebuild();
   finish();
 }
 

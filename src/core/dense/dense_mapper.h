@@ -24,11 +24,11 @@ namespace semantic_vslam {
 /// in its own camera frame. When optimisation or a loop moves poses, the map is built again from them, a few keyframes
 /// a call, while the old one is still served.
 ///
-/// Memory: above memory_mb old clouds are thinned to half a voxel: the cloud gets coarser, the voxels keep all they
-/// had. When that is not enough, the oldest keyframes that the sparse map dropped are forgotten, with one warning:
-/// their points leave the cloud at once, the voxels that only they saw at the next rebuild. Those are few, since the
-/// sparse map drops a keyframe when three others see most of what it sees. So memory grows with the space seen, not
-/// with time.
+/// Memory: of the keyframes that the sparse map dropped, the newest are held, two for each that it has: the older ones
+/// are forgotten. Their points leave the cloud at once, the voxels that only they saw at the next rebuild. Those are
+/// few, since the sparse map drops a keyframe when three others see most of what it sees. So memory grows with the
+/// space seen, not with time. Above memory_mb old clouds are thinned to half a voxel: the cloud gets coarser, the
+/// voxels keep all they had. When that is not enough, all dropped keyframes may be forgotten, with one warning.
 ///
 /// Knows no thread: the caller serialises all calls. Not cheap, and const: cloud, grid, octree and saving.
 class DenseMapper {
@@ -103,8 +103,9 @@ class DenseMapper {
   std::vector<KeyframePose> poses() const;
   /// Of all frames that the served map holds: keyframes and the looks beside them.
   std::vector<TimedPose> views() const;
-  std::size_t rebuilds() const { return rebuilds_; }  ///< completed
-  std::size_t memoryBytes() const;                    ///< of the kept clouds and the voxel maps
+  std::size_t forgotten() const { return forgotten_; }  ///< keyframes that are held no more
+  std::size_t rebuilds() const { return rebuilds_; }    ///< completed
+  std::size_t memoryBytes() const;                      ///< of the kept clouds and the voxel maps
 
  private:
   /// A map with the poses it was built from.
@@ -127,6 +128,7 @@ class DenseMapper {
   /// Where a keyframe lies among other poses than the newest: as it lies to the one of them that is nearest in time.
   SE3 poseAmong(const std::map<KeyframeId, SE3>& T_world_camera, KeyframeId id) const;
   bool stale() const;
+  void forgetOldCulled();
   void keepToBudget();
   std::map<KeyframeId, DenseKeyframe>::iterator forget(std::map<KeyframeId, DenseKeyframe>::iterator keyframe);
 
@@ -142,7 +144,7 @@ class DenseMapper {
   std::optional<Version> next_;
   std::deque<Due> due_;  ///< for next_, in their order
   std::uint64_t next_order_ = 0;
-  std::size_t rebuilds_ = 0;
+  std::size_t forgotten_ = 0, rebuilds_ = 0;
 };
 
 }  // namespace semantic_vslam

@@ -102,6 +102,11 @@ class SparseSlam {
   /// Enters a tracked frame into counts and trajectory, and makes a keyframe of it if one is due.
   void record(const TrackedFrame& frame, const TrackOptions& options, SparseStep& step);
   void findAgain(const TrackedFrame& frame, const TrackOptions& options, TrackingResult& result);
+  /// Where a frame that is to be a keyframe fits the map badly: looks whether it fits better elsewhere. A keyframe of a
+  /// known place with a wrong pose would put a second copy of the place into the map, which confirms itself from then
+  /// on.
+  void confirmPlace(const TrackedFrame& frame, TrackingResult& result);
+  void startAt(const RelocalisationResult& place, const TrackedFrame& frame, TrackingResult& result);
   /// Looks for the world's map in a frame that is tracked in a new one, and joins them once frames agree on it.
   void seekWorld(const TrackedFrame& frame, SparseStep& step);
   /// Drops maps that were begun and lost again at once, when the camera has gone on to another one.

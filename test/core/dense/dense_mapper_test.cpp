@@ -325,6 +325,28 @@ TEST(DenseMapper, KeepsToItsMemoryHoweverManyKeyframesAreCulled) {
   EXPECT_FALSE(addKinectWall(mapper, 299, SE3::Identity()));
 }
 
+TEST(DenseMapper, AKnownPlaceTakesNoMoreMemoryWithTime) {
+  DenseMapper mapper(smallConfig(), threeLabels());
+  // Keyframe 0 saw a place that nobody comes to again; 1 and 2 stay of the place where the camera is for hours.
+  const SE3 elsewhere = translated(20.0, 0, 0);
+  std::vector<KeyframePose> poses = {{KeyframeId(0), Stamp{}, elsewhere}};
+  addWall(mapper, 0, elsewhere);
+  std::size_t bytes = 0;
+  for (std::uint64_t id = 1; id < 100; ++id) {
+    ASSERT_TRUE(addWall(mapper, id, SE3::Identity()));
+    if (poses.back().keyframe.value() > 2) poses.pop_back();
+    poses.push_back({KeyframeId(id), Stamp{}, SE3::Identity()});
+    mapper.updatePoses(poses);
+    ASSERT_LE(mapper.keyframes(), 12U) << "four that the sparse map has and two culled ones for each, " << id;
+    if (id == 20) bytes = mapper.memoryBytes();
+  }
+  EXPECT_LE(mapper.memoryBytes(), bytes);
+  EXPECT_TRUE(addWall(mapper, 50, SE3::Identity())) << "forgotten";
+  EXPECT_FALSE(addWall(mapper, 98, SE3::Identity())) << "the newest that were culled are held";
+  EXPECT_EQ(mapper.voxelMap().voxelAt({20.0, 0, 2.02}).state, Occupancy::kOccupied);
+  EXPECT_EQ(mapper.voxelMap().voxelAt({0, 0, 2.02}).state, Occupancy::kOccupied);
+}
+
 TEST(DenseMapper, AForgottenKeyframeLeavesTheVoxelsAtTheNextRebuild) {
   DenseConfig config = smallConfig();
   config.memory_mb = 8;

@@ -10,6 +10,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "core/dense/dense_mapper.h"
 #include "core/pipeline/sparse_slam.h"
@@ -89,6 +90,36 @@ TEST(Pipeline, TheSameInputGivesTheSameBytes) {
     ASSERT_EQ(a.cloud[i].xyz_m, b.cloud[i].xyz_m);
     ASSERT_EQ(a.cloud[i].bgr, b.cloud[i].bgr);
   }
+}
+
+TEST(Pipeline, APlaceThatIsSeenOverAndOverTakesNoMoreMemory) {
+  Pipeline system(motionAlone());
+  const auto& frames = walkingFrames();
+  constexpr int kPasses = 10, kEvery = 4;  // of 30 Hz, as on a machine that is too slow
+  std::vector<std::size_t> keyframes, landmarks;
+  std::uint64_t index = 0;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    std::vector<TimedPose> truth, estimate;
+    for (std::size_t i = 0; i < frames.size(); i += kEvery) {
+      const SyntheticFrame& shown = frames[pass % 2 == 0 ? i : frames.size() - 1 - i];
+      RgbdFrame frame = shown.frame;
+      frame.index = index;
+      frame.stamp = Stamp::fromSeconds(100.0 + static_cast<double>(index) / 30.0);
+      index += kEvery;
+      const StepResult result = system.step(frame);
+      if (!result.posed()) continue;
+      truth.push_back({frame.stamp, shown.T_world_camera});
+      estimate.push_back({frame.stamp, result.T_world_camera()});
+    }
+    ASSERT_GE(estimate.size(), 10U) << pass;
+    EXPECT_LT(absoluteTrajectoryError(truth, estimate).translation_m.rmse, 0.03) << pass;
+    keyframes.push_back(system.slam().keyframeCount());
+    landmarks.push_back(system.slam().landmarkCount());
+    EXPECT_LE(system.dense().keyframes(), 3 * keyframes.back() + 2) << pass;
+  }
+  EXPECT_EQ(system.slam().loopCount(), 0U) << "the place was never left";
+  EXPECT_LE(keyframes.back(), keyframes[3] + 2);
+  EXPECT_LE(static_cast<double>(landmarks.back()), 1.1 * static_cast<double>(landmarks[3]));
 }
 
 /// A network that knows the truth: what it says of an image is looked up by the image itself.

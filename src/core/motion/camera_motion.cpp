@@ -40,8 +40,8 @@ constexpr std::size_t kTriedStarts = 3;
 constexpr double kSameStart = 0.008;  // metres and radians together: nearer starts end at one motion
 constexpr double kDrawnWidening[] = {1.5, 1.0, 1.0};
 constexpr double kClearlyMore = 1.25;
-// A motion explains two thirds of the weight of its own points, for the noise in the three residuals of each: where one explains more than this
-// share of all surface, none can explain kClearlyMore times as much.
+// A motion explains two thirds of the weight of its own points, for the noise in the three residuals of each: where one
+// explains more than this share of all surface, none can explain kClearlyMore times as much.
 constexpr double kBeyondRivals = 0.3;
 // From this distance on somebody fills less than a tenth of the view, and depth tells little: it counts as this far.
 constexpr float kFarM = 3.0F;

@@ -29,6 +29,9 @@ constexpr double kSettleShare = 0.1;
 // seconds; desks, walls and what is wrongly taken for people do not.
 constexpr double kKnownS = 3.0;
 
+// People who sit and stand about fill less of a view; whole groups of them move. More is a network that errs.
+constexpr double kMostStillPeople = 0.25;
+
 enum CellState : uchar { kMoving = 1, kPerson = 2 };
 
 cv::Mat1b cellStates(const cv::Mat1b& moving, const cv::Mat1f& semantic) {
@@ -137,6 +140,8 @@ void RoomMemory::addReference(const View& view, const SE3& T_world_camera) {
   reference.place.surface_m = reference.place.depth_m;
   reference.depth_low_m = view.depth_low_m.clone();
   reference.place.T_odometry_camera = T_world_camera;
+  const int still_people = cv::countNonZero(view.state == static_cast<uchar>(kPerson));
+  reference.believed = still_people <= kMostStillPeople * static_cast<double>(view.state.total());
   references_.push_back(std::move(reference));
   if (references_.size() > static_cast<std::size_t>(config_.max_references)) dropOne();
   startSettling();
@@ -204,6 +209,7 @@ std::optional<RoomVote> RoomMemory::look(const PlacedFrame& now, const WorkGrid&
   for (const std::size_t index : chosen) {
     View& reference = references_[index];
     PlaceLookup lookup(here, reference.place, grid, rigid, kPoseErrorM);
+    const int unknown = reference.believed ? kMoving | kPerson : kMoving;
     const bool long_ago = secondsBetween(reference.place.stamp, now.stamp) >= kKnownS;
     std::size_t count = 0;
     for (int y = first_row_; y < grid.size().height; y += kRowStep) {
@@ -212,7 +218,7 @@ std::optional<RoomVote> RoomMemory::look(const PlacedFrame& now, const WorkGrid&
         if (seen.same()) {
           const uchar state = reference.state(seen.cell);
           if (state == 0) sum[x] -= 1.0F;
-          if (long_ago && (state & kMoving) == 0) knows[x] += 1.0F;
+          if (long_ago && (state & unknown) == 0) knows[x] += 1.0F;
           return;
         }
         const float evidence = entered(seen, reference.depth_low_m);

@@ -16,7 +16,8 @@
 namespace semantic_vslam {
 
 /// What keyframes say of a frame. `stayed` counts where nothing moved and no label said a person; `known` is 1 where a
-/// keyframe of some seconds ago saw the same surface at rest, whatever labels said, and -1 where one saw none there.
+/// keyframe of some seconds ago saw the same surface at rest and called it no person, and -1 where one saw none there.
+/// Labels that call much of a keyframe that stands still a person are not believed: there it is 1, too.
 struct RoomVote : DepthVote {
   cv::Mat1f known;
 };
@@ -65,6 +66,7 @@ class RoomMemory {
     PlacedFrame place;
     cv::Mat1f depth_low_m;
     cv::Mat1b state;          // bits of CellState
+    bool believed = true;     // its labels
     std::size_t entered = 0;  // cells of the last frame that saw it which stand in space it saw free
   };
   /// What has come to rest is looked for in the newest reference, by one older reference a frame, newest first; then

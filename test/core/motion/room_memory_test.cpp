@@ -159,25 +159,40 @@ TEST_F(RoomMemoryTest, WhoComesToTheSamePlaceAgainHasNotStoodThere) {
   EXPECT_FLOAT_EQ(entered(3.0 + 2.5 * settle_s, true, on_visitor), 1.0F);
 }
 
-TEST_F(RoomMemoryTest, ASurfaceAtRestIsKnownAfterSecondsWhateverLabelsSay) {
-  cv::Mat1f wrong(grid.size(), 1.0F);  // a network that calls all of it a person
-  const auto known = [&](double seconds) {
+/// What the memory knows of the wall at rest, whose middle, or all of it, a network calls a person.
+class LabelledWall : public RoomMemoryTest {
+ protected:
+  float known(double seconds, cv::Point at) {
     float most = 0.0F;
-    for (int turn = 0; turn < 3; ++turn) most = std::max(most, look(seconds, false)->known(on_wall));
+    for (int turn = 0; turn < 3; ++turn) most = std::max(most, look(seconds, false)->known(at));
     return most;
-  };
-  for (int i = 0; i < 12; ++i) {
-    const PlacedFrame place = frame(0.5 * i, false);
-    memory.addFrame(place, place.depth_m, cv::Mat1b::zeros(grid.size()), wrong);
-    keyframes.push_back({place.stamp, SE3::Identity()});
-    memory.takeKeyframePoses(keyframes);
-    if (i == 3) {
-      EXPECT_FLOAT_EQ(known(0.5 * i), 0.0F) << "seen for a second and a half";
+  }
+  void seeForSeconds(const cv::Rect& person, int halves) {
+    cv::Mat1f semantic(grid.size(), 0.0F);
+    semantic(person).setTo(1.0F);
+    for (int i = 0; i < halves; ++i) {
+      const PlacedFrame place = frame(0.5 * i, false);
+      memory.addFrame(place, place.depth_m, cv::Mat1b::zeros(grid.size()), semantic);
+      keyframes.push_back({place.stamp, SE3::Identity()});
+      memory.takeKeyframePoses(keyframes);
     }
   }
-  EXPECT_GT(known(5.6), 0.0F);
-  const auto vote = look(5.6, false);
-  EXPECT_FLOAT_EQ(static_cast<float>(cv::countNonZero(vote->stayed)), 0.0F) << "nobody said that no person is there";
+};
+
+TEST_F(LabelledWall, IsKnownAfterSecondsWhereAllOfItIsCalledAPerson) {
+  seeForSeconds({{}, grid.size()}, 4);
+  EXPECT_FLOAT_EQ(known(1.5, on_wall), 0.0F) << "seen for a second and a half";
+  keyframes.clear();
+  memory.clear();
+  seeForSeconds({{}, grid.size()}, 12);
+  EXPECT_GT(known(5.6, on_wall), 0.0F);
+  EXPECT_EQ(cv::countNonZero(look(5.6, false)->stayed), 0) << "nobody said that no person is there";
+}
+
+TEST_F(LabelledWall, IsNotKnownWhereSomebodySitsStill) {
+  seeForSeconds(visitor, 12);
+  EXPECT_FLOAT_EQ(known(5.6, on_visitor), 0.0F);
+  EXPECT_GT(known(5.6, on_wall), 0.0F);
 }
 
 TEST_F(RoomMemoryTest, IsBounded) {

@@ -158,6 +158,7 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
   const cv::Mat2f source = traceBack(flow_cells, previous_.depth_m, current.surface_m, dt_s);
   propagation_.addFrame(frame.stamp, grid_->size(), source);
   cv::Mat1f semantic = propagation_.dynamicNow();
+  const cv::Mat1f said = semantic.clone();  // what gives way has been said all the same
   giveWay(source, semantic);
   const cv::Mat1f static_weight = staticWeight(source, semantic);
 
@@ -175,7 +176,7 @@ MotionResult MotionDetector::detect(const RgbdFrame& frame) {
   if (config_.model == "rigid_flow") {
     propagation_.setPlace(placed(current));
     keepReference(current);
-    room_.addFrame(placed(current), current.depth_low_m, result.moving, surface.semantic);
+    room_.addFrame(placed(current), current.depth_low_m, result.moving, said);
   }
   previous_ = current;
   return result;

@@ -150,6 +150,10 @@ void BagSource::pairImages() {
     throw FileError("bag '" + path_ + "': none of the " + std::to_string(rgb.stamps.size()) + " images of '" +
                     topics_.colour + "' has one of '" + topics_.depth + "' within 0.02 s");
   }
+  if (pairs_.size() < rgb.stamps.size()) {
+    logInfo("bag '" + path_ + "': " + std::to_string(rgb.stamps.size() - pairs_.size()) + " of " +
+            std::to_string(rgb.stamps.size()) + " colour images have no depth image within 0.02 s and are left out");
+  }
   std::stable_sort(pairs_.begin(), pairs_.end(),
                    [](const Pair& a, const Pair& b) { return a.rgb_stamp < b.rgb_stamp; });
   rgb_messages_ = std::move(rgb.messages);  // moved, as a MessageInstance cannot be assigned

@@ -17,7 +17,9 @@ namespace {
 
 bool sameCamera(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b) {
   return a.width == b.width && a.height == b.height && a.K == b.K && a.P == b.P && a.D == b.D &&
-         a.distortion_model == b.distortion_model;
+         a.distortion_model == b.distortion_model && a.binning_x == b.binning_x && a.binning_y == b.binning_y &&
+         a.roi.x_offset == b.roi.x_offset && a.roi.y_offset == b.roi.y_offset && a.roi.width == b.roi.width &&
+         a.roi.height == b.roi.height;
 }
 
 void requireSize(const char* what, const sensor_msgs::Image& image, const CameraModel& camera) {

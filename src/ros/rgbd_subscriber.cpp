@@ -83,7 +83,8 @@ void RgbdSubscriber::onInfo(const sensor_msgs::CameraInfoConstPtr& info) {
 void RgbdSubscriber::onImage(Stream& stream, const Image& image) {
   ++stream.images;
   stream.last_s = ros::SteadyTime::now().toSec();
-  if (image->header.stamp.isZero()) {
+  stream.unstamped = image->header.stamp.isZero();
+  if (stream.unstamped) {
     refusals_.refuse(stream.topic, "its header.stamp is not set; the driver must stamp each image when it is taken");
     return;
   }
@@ -149,7 +150,10 @@ std::string RgbdSubscriber::missing() const {
     if (stops) stopped += (stopped.empty() ? "" : " and ") + stream->topic;
   }
   if (!stopped.empty()) return "no image any more on " + stopped + "; is the driver alive?";
-  if (config_.sync == "exact") {
+  for (const Stream* stream : {&rgb_, &depth_}) {
+    if (stream->unstamped) return "images on " + stream->topic + " have no header.stamp; the driver must set it";
+  }
+  if (pairs_ == 0 && config_.sync == "exact") {
     return "images on " + both + " never have one stamp; give sync:=approximate";
   }
   if (pairs_ == 0) {

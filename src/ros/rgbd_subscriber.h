@@ -88,7 +88,8 @@ class RgbdSubscriber {
   struct Stream {
     std::string topic;
     std::atomic<std::size_t> images{0};
-    std::atomic<double> last_s{0.0};  ///< steady clock, of the newest
+    std::atomic<double> last_s{0.0};     ///< steady clock, of the newest
+    std::atomic<bool> unstamped{false};  ///< the newest
     message_filters::PassThrough<sensor_msgs::Image> out;
   };
 

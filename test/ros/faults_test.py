@@ -185,6 +185,8 @@ class FaultsTest(unittest.TestCase):
     def test_images_without_stamps_are_refused(self):
         with Camera(stamped=False), Node("motion_node", "__name:=unstamped") as node:
             node.wait_for_line("ERROR", "header.stamp is not set")
+            node.wait_for_line("WARN", "have no header.stamp")
+            self.assertEqual(node.lines_with("max_interval_s"), [])
 
     def test_depth_that_is_not_registered_is_doubted(self):
         with Camera(depth_frame="depth"), Node("motion_node", "__name:=unregistered") as node:

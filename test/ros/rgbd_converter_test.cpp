@@ -104,6 +104,19 @@ TEST(RgbdConverter, SaysWhatCanHardlyBeMeant) {
             std::string::npos);
 }
 
+TEST(RgbdConverter, FollowsARegionOfTheSensorThatMoves) {
+  const auto input = converter();
+  RgbdMessages messages = goodPair();
+  EXPECT_EQ(input->pending(messages).decode()->camera->cx(), 32.0);
+  messages = goodPair();
+  auto info = boost::make_shared<sensor_msgs::CameraInfo>(*messages.info);
+  info->roi.width = 64;
+  info->roi.height = 48;
+  info->roi.x_offset = 10;
+  messages.info = info;
+  EXPECT_EQ(input->pending(messages).decode()->camera->cx(), 22.0);
+}
+
 TEST(RgbdConverter, WhatNeedsNoConversionReachesTheStageInTheMemoryOfTheDriver) {
   RgbdMessages messages = pair(0);
   const auto* colour = messages.rgb->data.data();

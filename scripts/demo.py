@@ -3,7 +3,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Plays a recording through the nodelets at real time and shows what comes out; behind `./run demo`.
 
-Leaves in out/demo/: trajectory.txt, groundtruth.txt, cloud.pcd, map.ot, trajectory.png, rviz.png, figures.json, log/.
+Leaves in out/demo/: trajectory.txt, groundtruth.txt, the map (cloud.pcd, mesh.ply, map.ot, map.bt, grid.pgm
+and grid.yaml, map.dense), trajectory.png, rviz.png, figures.json, log/.
 """
 import argparse
 import json

@@ -183,17 +183,24 @@ std::vector<LabelledPoint> moved(std::vector<LabelledPoint> cloud, const SE3& T)
   return cloud;
 }
 
+/// The frame with this colour stamp, if the sequence has it.
+std::optional<RgbdFrame> frameAt(TumSequence& sequence, Stamp stamp) {
+  const std::vector<TumPair>& pairs = sequence.pairs();  // in order of the stamp
+  const auto pair = std::lower_bound(pairs.begin(), pairs.end(), stamp, [](const TumPair& candidate, Stamp wanted) {
+    return candidate.rgb_stamp < wanted;
+  });
+  if (pair == pairs.end()) return std::nullopt;
+  sequence.seek(static_cast<std::size_t>(pair - pairs.begin()));
+  std::optional<RgbdFrame> frame = sequence.next();
+  return frame && frame->stamp == stamp ? frame : std::nullopt;
+}
+
 /// The map of the empty room: another recording's frames at a map's poses, nothing removed.
 DenseMapper mapOfEmptyRoom(const DenseMapper& map, TumSequence& empty, const DenseConfig& config) {
   DenseMapper result(config, {});
-  std::map<Stamp, std::size_t> at;
-  for (std::size_t i = 0; i < empty.pairs().size(); ++i) at[empty.pairs()[i].rgb_stamp] = i;
   for (const TimedPose& view : map.views()) {
-    const auto found = at.find(view.stamp);
-    if (found == at.end()) continue;
-    empty.seek(found->second);
-    const KeyframeId id(found->second);
-    if (const auto frame = empty.next()) result.add(id, *frame, {}, {}, view.T_world_camera);
+    const auto frame = frameAt(empty, view.stamp);
+    if (frame) result.add(KeyframeId(result.keyframes()), *frame, {}, {}, view.T_world_camera);
   }
   if (result.keyframes() == 0) throw FileError("--empty: no frame has the stamp of any keyframe");
   return result;
@@ -204,13 +211,8 @@ std::vector<LabelledPoint> measuredInEmptyRoom(const DenseMapper& map, TumSequen
   constexpr double kCubeM = 0.02;
   config.max_incidence_deg = 89.0;  // edges, too
   std::vector<LabelledPoint> points;
-  std::map<Stamp, std::size_t> at;
-  for (std::size_t i = 0; i < empty.pairs().size(); ++i) at[empty.pairs()[i].rgb_stamp] = i;
   for (const TimedPose& view : map.views()) {
-    const auto found = at.find(view.stamp);
-    if (found == at.end()) continue;
-    empty.seek(found->second);
-    const auto frame = empty.next();
+    const auto frame = frameAt(empty, view.stamp);
     if (!frame) continue;
     const KeyframeCloud cloud = makeKeyframeCloud({}, *frame, {}, {}, config);
     const std::vector<LabelledPoint> in_world = moved(cloud.points, view.T_world_camera);
@@ -373,13 +375,8 @@ void leaveOut(const Arguments& arguments, const SE3& T_truth_world, std::vector<
 std::vector<LabelledPoint> seenPastPeople(const DenseMapper& map, TumSequence& sequence,
                                           const std::vector<LabelledPoint>& empty) {
   SeenPastPeople seen(empty);
-  const std::vector<TumPair>& pairs = sequence.pairs();
   for (const TimedPose& view : map.views()) {
-    const auto pair = std::find_if(pairs.begin(), pairs.end(),
-                                   [&](const TumPair& candidate) { return candidate.rgb_stamp == view.stamp; });
-    if (pair == pairs.end()) continue;
-    sequence.seek(static_cast<std::size_t>(pair - pairs.begin()));
-    const auto frame = sequence.next();
+    const auto frame = frameAt(sequence, view.stamp);
     const cv::Mat1b people = frame ? sequence.groundTruthMask() : cv::Mat1b();
     if (!people.empty()) seen.add(*frame, people, view.T_world_camera);
   }

@@ -83,24 +83,15 @@ void write(const fs::path& path, const std::string& content) {
 
 // ---- good files, from the package's own writers
 
-CameraIntrinsics smallCamera() {
-  CameraIntrinsics camera;
-  camera.width = 160;
-  camera.height = 120;
-  camera.fx = camera.fy = 131.25;
-  camera.cx = 79.5;
-  camera.cy = 59.5;
-  return camera;
-}
-
 /// Writes what a short run of the system leaves: map.slam, map.dense, test.bag.
 void recordSeeds(const fs::path& folder) {
-  ScenarioSource source(makeScenario("walking", 1, 1.0), smallCamera());
+  const CameraIntrinsics camera = syntheticCamera("160x120");
+  ScenarioSource source(makeScenario("walking", 1, 1.0), camera);
   SystemConfig config;
   config.segmentation.model.clear();
   Pipeline system(config);
   DenseMapContent dense;
-  RecordingBag bag((folder / "seed.bag").string(), smallCamera(), true);
+  RecordingBag bag((folder / "seed.bag").string(), camera, true);
   DenseMapper mapper(config.dense, syntheticLabels());
   std::uint64_t keyframe = 0;
   while (std::optional<RgbdFrame> frame = source.next()) {
@@ -157,8 +148,8 @@ std::vector<std::string> imageSeeds() {
 
 void readMapFile(const std::string& path) {
   const SparseSlam slam((SparseSlamConfig()));
-  const SavedMap saved = slam.readMap(path);
-  parseMap(serializeMap(saved.map), path, const_cast<Map&>(saved.map));  // what is read can be saved and read again
+  Map again;
+  parseMap(serializeMap(slam.readMap(path).map), path, again);  // what is read can be saved and read again
 }
 
 void readDenseFile(const std::string& path) {

@@ -5,34 +5,47 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <iterator>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace semantic_vslam {
 
-/// Lets a message pass that was not said within half a minute: several faults at once take turns, and each is said. By
-/// the steady clock: simulated time, which ROS_WARN_THROTTLE goes by, stands still just when an input is missing. One
-/// thread.
+/// Lets a message pass that is news: one that was not said within half a minute, or that stayed away for half a second
+/// while another one was said. So several faults that take turns are said once each, and one that comes back is said
+/// again. By the steady clock: simulated time, which ROS_WARN_THROTTLE goes by, stands still just when an input is
+/// missing. One thread.
 class LogThrottle {
  public:
   /// @param message  "" says that all is well: what comes after it is news again
   bool passes(const std::string& message) {
+    if (message.empty()) messages_.clear();
+    if (message.empty()) return false;
     const Clock::time_point now = Clock::now();
-    const auto is_old = [&](const auto& said) { return message.empty() || now - said.second >= kSilence; };
-    said_.erase(std::remove_if(said_.begin(), said_.end(), is_old), said_.end());
-    const auto same = [&](const auto& said) { return said.first == message; };
-    if (message.empty() || std::any_of(said_.begin(), said_.end(), same)) return false;
-    if (said_.size() == kMost) said_.erase(said_.begin());
-    said_.emplace_back(message, now);
+    const auto known =
+        std::find_if(messages_.begin(), messages_.end(), [&](const auto& m) { return m.text == message; });
+    if (known == messages_.end()) {
+      if (messages_.size() == kMost) messages_.erase(messages_.begin());
+    } else {
+      const bool is_last = std::next(known) == messages_.end();
+      const bool came_back = !is_last && now - known->seen >= kAway;
+      known->seen = now;
+      if (!came_back && now - known->said < kSilence) return false;
+      messages_.erase(known);
+    }
+    messages_.push_back({message, now, now});
     return true;
   }
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::seconds kSilence{30};
+  struct Message {
+    std::string text;
+    Clock::time_point said, seen;
+  };
+  static constexpr std::chrono::milliseconds kSilence{30000}, kAway{500};
   static constexpr std::size_t kMost = 20;  // messages that are remembered
-  std::vector<std::pair<std::string, Clock::time_point>> said_;
+  std::vector<Message> messages_;           // in the order in which they were said
 };
 
 }  // namespace semantic_vslam

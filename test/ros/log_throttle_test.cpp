@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <string>
+#include <thread>
+
 namespace semantic_vslam {
 namespace {
 
@@ -15,6 +19,19 @@ TEST(LogThrottle, FaultsThatTakeTurnsAreSaidOnceEach) {
     said += throttle.passes("depth has no stamp") ? 1 : 0;
   }
   EXPECT_EQ(said, 2);
+}
+
+TEST(LogThrottle, AFaultIsNewsWhenItStayedAwayWhileAnotherWasSaid) {
+  LogThrottle throttle;
+  const auto wait = [] { std::this_thread::sleep_for(std::chrono::milliseconds(600)); };
+  EXPECT_TRUE(throttle.passes("no images"));
+  wait();
+  EXPECT_FALSE(throttle.passes("no images")) << "it is the same fault still";
+  EXPECT_TRUE(throttle.passes("no depth"));
+  EXPECT_FALSE(throttle.passes("no images")) << "it was there all the time";
+  wait();
+  EXPECT_TRUE(throttle.passes("no images"));
+  EXPECT_FALSE(throttle.passes("no images"));
 }
 
 TEST(LogThrottle, AFaultThatComesAgainAfterAllWasWellIsNews) {

@@ -26,14 +26,18 @@ constexpr double kInlierSigmas = 3.0;
 constexpr double kWidening[] = {5.0, 2.5, 1.5, 1.0};
 constexpr double kNarrow[] = {1.0, 1.0};
 constexpr double kHalfFrom = 2.0;
-// Change of velocity of a hand-held or wheeled camera between two frames (some 5 m/s^2, 10 rad/s^2).
-constexpr double kPriorTranslationM = 0.005, kPriorRotationRad = 0.01;
+// What a hand's or a wheel's velocity changes by (its acceleration and its angular acceleration), and the least step in
+// time that this is reckoned for: the prediction itself is a motion that was measured, wrong by 5 mm and 0.6 degrees. A
+// bound as tight for frames that lie far apart would hold the camera where it cannot be, just when people leave little
+// of the room to say so.
+constexpr double kAcceleration = 1.125, kAngularAcceleration = 2.25;  // m/s^2, rad/s^2
+constexpr double kShortestStepS = 1.0 / 15.0;
 constexpr double kGoodShare = 0.6;
 // Other motions are drawn from so many points of optical flow, which is exact to a few tenths of a pixel: the motion of
 // three points whose depth is noisy would be wrong by half a degree. They lie about the prediction as a hand may jerk.
 constexpr std::size_t kSamplePoints = 4;
 constexpr int kDraws = 200, kSampleSteps = 2;
-constexpr double kJerkM = 0.03, kJerkRad = 0.05;
+constexpr double kJerkMS = 0.45, kJerkRadS = 0.75;  // at once: m/s, rad/s
 constexpr std::size_t kScoredPoints = 150;
 constexpr double kDrawnNoise = 2.0;  // four points give a rough motion: times the noise
 constexpr std::size_t kTriedStarts = 3;
@@ -146,19 +150,35 @@ NormalEquations linearise(const PointColumns& points, const SE3& T, const NoiseM
   return normal;
 }
 
+/// Where the motion should be, and how surely.
+struct Prediction {
+  SE3 T_previous_current;
+  double step_s;  ///< kShortestStepS at least
+
+  /// 1 / variance, of the translation and of the rotation, for standard deviations.
+  static Vector6d information(double sigma_m, double sigma_rad) {
+    Vector6d diagonal;
+    diagonal << Eigen::Vector3d::Constant(1.0 / (sigma_m * sigma_m)),
+        Eigen::Vector3d::Constant(1.0 / (sigma_rad * sigma_rad));
+    return diagonal;
+  }
+  Vector6d ofUsual() const {
+    return information(kAcceleration * step_s * step_s, kAngularAcceleration * step_s * step_s);
+  }
+  Vector6d ofJerk() const { return information(kJerkMS * step_s, kJerkRadS * step_s); }
+  Vector6d deviation(const SE3& T) const { return se3Log(T * T_previous_current.inverse()); }
+};
+
 template <std::size_t kSteps>
-SE3 refine(const PointColumns& points, const PointColumns& half, const SE3& start, const SE3& predicted,
+SE3 refine(const PointColumns& points, const PointColumns& half, const SE3& start, const Prediction& predicted,
            const NoiseModel& noise, const double (&widenings)[kSteps], NormalEquations& last) {
-  Vector6d prior;
-  prior << Eigen::Vector3d::Constant(1.0 / (kPriorTranslationM * kPriorTranslationM)),
-      Eigen::Vector3d::Constant(1.0 / (kPriorRotationRad * kPriorRotationRad));
+  const Vector6d prior = predicted.ofUsual();
   SE3 T = start;
   for (const double widening : widenings) {
     // On the way, half of the points do.
     last = linearise(widening > kHalfFrom ? half : points, T, noise, widening);
-    const Vector6d deviation = se3Log(T * predicted.inverse());
     last.H.diagonal() += prior;
-    last.b -= prior.cwiseProduct(deviation);
+    last.b -= prior.cwiseProduct(predicted.deviation(T));
     const Vector6d step = last.H.ldlt().solve(last.b);
     if (!step.allFinite()) break;
     T = se3Exp(step) * T;
@@ -169,13 +189,12 @@ SE3 refine(const PointColumns& points, const PointColumns& half, const SE3& star
 using Sample = std::array<const FlowPoint*, kSamplePoints>;
 
 /// Motion near the prediction that the flow of a few points asks for.
-SE3 motionOf(const Sample& sample, const SE3& predicted, const NoiseModel& noise) {
-  Vector6d prior;
-  prior << Eigen::Vector3d::Constant(1.0 / (kJerkM * kJerkM)), Eigen::Vector3d::Constant(1.0 / (kJerkRad * kJerkRad));
-  SE3 T = predicted;
+SE3 motionOf(const Sample& sample, const Prediction& predicted, const NoiseModel& noise) {
+  const Vector6d prior = predicted.ofJerk();
+  SE3 T = predicted.T_previous_current;
   for (int step = 0; step < kSampleSteps; ++step) {
     Matrix6d H = prior.asDiagonal();
-    Vector6d b = -prior.cwiseProduct(se3Log(T * predicted.inverse()));
+    Vector6d b = -prior.cwiseProduct(predicted.deviation(T));
     for (const FlowPoint* point : sample) {
       const Eigen::Vector3d p = T * point->point_current.cast<double>();
       const double inverse_z = 1.0 / std::max(p.z(), 1e-3), x = p.x() * inverse_z, y = p.y() * inverse_z;
@@ -193,7 +212,8 @@ SE3 motionOf(const Sample& sample, const SE3& predicted, const NoiseModel& noise
 }
 
 /// The motions that explain most surface, of those that a few points each ask for; best first.
-std::vector<SE3> drawStarts(const std::vector<FlowPoint>& points, const SE3& predicted, const NoiseModel& noise) {
+std::vector<SE3> drawStarts(const std::vector<FlowPoint>& points, const Prediction& predicted,
+                            const NoiseModel& noise) {
   std::vector<const FlowPoint*> pool;
   for (const FlowPoint& point : points) {
     if (point.weight > 0.1F) pool.push_back(&point);
@@ -269,15 +289,17 @@ std::vector<FlowPoint> selectFlowPoints(const GridFrame& previous, const GridFra
 }
 
 CameraMotion estimateCameraMotion(const std::vector<FlowPoint>& points, const WorkGrid& grid,
-                                  const SE3& T_previous_current_predicted, const RigidFlowConfig& config) {
+                                  const SE3& T_previous_current_predicted, double step_s,
+                                  const RigidFlowConfig& config) {
   CameraMotion motion;
   if (points.size() < static_cast<std::size_t>(config.min_points)) return motion;
   const double focal_px = 2.0 * grid.focalCells();  // at flow.width_px
   NoiseModel noise{config.flow_sigma_px / focal_px, config.depth_noise.motion_m};
 
+  const Prediction predicted{T_previous_current_predicted, std::max(step_s, kShortestStepS)};
   const PointColumns all(points), half(points, 2);
   NormalEquations normal;
-  SE3 best = refine(all, half, T_previous_current_predicted, T_previous_current_predicted, noise, kWidening, normal);
+  SE3 best = refine(all, half, predicted.T_previous_current, predicted, noise, kWidening, normal);
   // Blurred images spread the flow of a good motion: no reason to look for another.
   const NoiseModel blurred{2.0 * noise.flow_sigma, noise.depth_sigma_at_1m_m};
   if (explainedShare(all, all.weight, best, noise) < kGoodShare &&
@@ -286,7 +308,7 @@ CameraMotion estimateCameraMotion(const std::vector<FlowPoint>& points, const Wo
     double most = explainedShare(all, surface, best, noise);
     const auto consider = [&](const SE3& start, const auto& widenings, double factor) {
       NormalEquations other_normal;
-      const SE3 other = refine(all, half, start, T_previous_current_predicted, noise, widenings, other_normal);
+      const SE3 other = refine(all, half, start, predicted, noise, widenings, other_normal);
       const double other_share = explainedShare(all, surface, other, noise);
       if (other_share <= factor * most) return;
       best = other;
@@ -295,14 +317,14 @@ CameraMotion estimateCameraMotion(const std::vector<FlowPoint>& points, const Wo
     };
     consider(SE3::Identity(), kWidening, 1.0);
     if (most < kBeyondRivals) {
-      for (const SE3& start : drawStarts(points, T_previous_current_predicted, noise)) {
+      for (const SE3& start : drawStarts(points, predicted, noise)) {
         consider(start, kDrawnWidening, kClearlyMore);
       }
     }
   }
   // Blur, exposure and depth that lags behind colour widen the flow's spread: this frame's own is what residuals mean.
   noise.flow_sigma = std::max(measureFlowSigma(all, best, noise), noise.flow_sigma);
-  best = refine(all, half, best, T_previous_current_predicted, noise, kNarrow, normal);
+  best = refine(all, half, best, predicted, noise, kNarrow, normal);
   constexpr auto kBound = static_cast<float>(kInlierSigmas * kInlierSigmas);
   const auto inliers = (Residuals(all, best, noise).flowSquared() < kBound).eval();
   motion.inliers = static_cast<int>(inliers.count());

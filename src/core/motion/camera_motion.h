@@ -45,8 +45,10 @@ std::vector<FlowPoint> selectFlowPoints(const GridFrame& previous, const GridFra
 /// somebody who steps away within arm's length covers more of the view than the room, but less surface. Where neither
 /// is larger, the motion that agrees with the past is kept.
 /// @param T_previous_current_predicted  e.g. the last motion again (constant velocity)
+/// @param step_s  between the two frames: the longer, the less the prediction counts
 CameraMotion estimateCameraMotion(const std::vector<FlowPoint>& points, const WorkGrid& grid,
-                                  const SE3& T_previous_current_predicted, const RigidFlowConfig& config);
+                                  const SE3& T_previous_current_predicted, double step_s,
+                                  const RigidFlowConfig& config);
 
 /// Depth noise of structured light and stereo, standard deviation in metres.
 inline float depthSigma(const RigidFlowConfig& config, float depth_m) {

@@ -208,7 +208,7 @@ MotionDetector::Estimate MotionDetector::explainByRigidFlow(const GridFrame& cur
   const double dt_s = secondsBetween(previous_.stamp, current.stamp);
   const SE3 predicted = velocity_dt_s_ > 0.0 ? scaleMotion(velocity_, dt_s / velocity_dt_s_) : SE3::Identity();
   const auto points = selectFlowPoints(previous_, current, flow_cells, static_weight, *grid_);
-  const CameraMotion camera = estimateCameraMotion(points, *grid_, predicted, config_.rigid);
+  const CameraMotion camera = estimateCameraMotion(points, *grid_, predicted, dt_s, config_.rigid);
   if (!camera.valid) {
     // Too little depth, or nothing that stands still: a homography is the better guess, and the past is of no use.
     references_.clear();

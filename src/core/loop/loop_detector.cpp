@@ -69,6 +69,16 @@ double wayBetween(const Map& map, KeyframeId from, KeyframeId to) {
   return way_m;
 }
 
+LoopClosure closureOf(const Map& map, const Keyframe& current, const RelocalisationResult& place) {
+  LoopClosure closure;
+  closure.current = current.id;
+  closure.matched = place.keyframe;
+  closure.T_current_world = place.T_camera_world;
+  closure.T_current_matched = place.T_camera_world * map.keyframe(place.keyframe)->T_camera_world.inverse();
+  closure.landmarks = place.landmarks;
+  return closure;
+}
+
 /// Looks for landmarks in a keyframe as if it were at a pose.
 LandmarkSightings lookFor(const Map& map, const std::vector<LandmarkId>& landmarks, const Keyframe& keyframe,
                           const SE3& T_camera_world, double radius_px, double virtual_baseline_m) {
@@ -92,12 +102,61 @@ LoopDetector::LoopDetector(const LoopDetectorConfig& config, const FramePoseConf
 std::optional<LoopClosure> LoopDetector::detect(const Map& map, const PlaceIndex& index, KeyframeId current_id) {
   const Keyframe* current = map.keyframe(current_id);
   if (current == nullptr) return std::nullopt;
+  if (unsure_since_) {
+    if (auto closure = compareWithBefore(map, index, *current)) return closure;
+  }
   const auto around = surroundings(map, current_id);
   const auto similar = similarKeyframes(map, index, *current, around, config_);
   for (const KeyframeId candidate : consistentCandidates(map, similar)) {
     if (auto closure = verify(map, *current, candidate, around)) return closure;
   }
   return std::nullopt;
+}
+
+void LoopDetector::noteKeyframe(KeyframeId id, double found_share) {
+  if (found_share >= config_.sure_share) return;
+  if (!unsure_since_) unsure_since_ = id;
+  last_unsure_ = id;
+}
+
+std::optional<LoopClosure> LoopDetector::compareWithBefore(const Map& map, const PlaceIndex& index,
+                                                           const Keyframe& current) {
+  const auto isBefore = [&](KeyframeId id) { return id < *unsure_since_; };
+  const auto found = findAmong(map, index, current, isBefore);
+  if (!found) return std::nullopt;
+  const SE3& T_current_world = found->place.T_camera_world;
+  if ((centreOf(T_current_world) - centreOf(current.T_camera_world)).norm() < config_.same_place_m) {
+    if (last_unsure_ < current.id) unsure_since_.reset();
+    return std::nullopt;
+  }
+  if (!driftExplains(map, current, found->place.keyframe, T_current_world) ||
+      !neighboursConfirm(map, current, found->group, T_current_world)) {
+    return std::nullopt;
+  }
+  return closureOf(map, current, found->place);
+}
+
+std::optional<LoopDetector::Found> LoopDetector::findAmong(const Map& map, const PlaceIndex& index,
+                                                           const Keyframe& current,
+                                                           const std::function<bool(KeyframeId)>& among) const {
+  std::optional<Found> best;
+  std::set<KeyframeId> covered;
+  int tried = 0;
+  for (const auto& match : index.query(*current.features, static_cast<int>(index.size()))) {
+    if (tried >= config_.verification.max_candidates || match.score < config_.min_score) break;
+    if (!among(match.keyframe) || covered.count(match.keyframe) > 0 || map.keyframe(match.keyframe) == nullptr ||
+        map.rootOf(match.keyframe) != map.rootOf(current.id)) {
+      continue;
+    }
+    ++tried;
+    const auto nearest = keyframeGroup(map, match.keyframe, 2);  // would be verified by nearly the same landmarks
+    covered.insert(nearest.begin(), nearest.end());
+    auto group = keyframeGroup(map, match.keyframe, config_.verification.neighbours);
+    group.erase(std::remove_if(group.begin(), group.end(), [&](KeyframeId id) { return !among(id); }), group.end());
+    auto place = relocaliseAt(map, group, frameOf(current), tracker_, config_.verification);
+    if (place && (!best || place->inliers > best->place.inliers)) best = Found{std::move(*place), std::move(group)};
+  }
+  return best;
 }
 
 /// Extends the chains of keyframes that pointed at one place.
@@ -134,13 +193,7 @@ std::optional<LoopClosure> LoopDetector::verify(const Map& map, const Keyframe& 
   const auto found = relocaliseAt(map, group, frameOf(current), tracker_, config_.verification);
   if (!found || !driftExplains(map, current, candidate, found->T_camera_world)) return std::nullopt;
   if (!neighboursConfirm(map, current, group, found->T_camera_world)) return std::nullopt;
-  LoopClosure closure;
-  closure.current = current.id;
-  closure.matched = candidate;
-  closure.T_current_world = found->T_camera_world;
-  closure.T_current_matched = found->T_camera_world * map.keyframe(candidate)->T_camera_world.inverse();
-  closure.landmarks = found->landmarks;
-  return closure;
+  return closureOf(map, current, *found);
 }
 
 bool LoopDetector::driftExplains(const Map& map, const Keyframe& current, KeyframeId candidate,

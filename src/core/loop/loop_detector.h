@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <set>
 #include <vector>
@@ -33,8 +34,17 @@ class LoopDetector {
 
   /// @param index  holds the map's keyframes; whether `current` is among them does not matter
   std::optional<LoopClosure> detect(const Map& map, const PlaceIndex& index, KeyframeId current);
+  /// Tells how sure a keyframe's place was when it was made, before detect() is given it. Where people cover the view,
+  /// keyframes hang on one another, each on what little the last one left, and drift; from the first such one on, the
+  /// map's older part is looked for at every keyframe, though tracking connects it already, until a sure one confirms
+  /// that both parts fit, or the map is bent to make them.
+  /// @param found_share  of the landmarks that should be in view
+  void noteKeyframe(KeyframeId id, double found_share);
   /// Forgets the keyframes seen so far: after a closed loop or a new map.
-  void reset() { chains_.clear(); }
+  void reset() {
+    chains_.clear();
+    unsure_since_.reset();
+  }
 
  private:
   /// Keyframes around a candidate, and how many keyframes in a row pointed at them.
@@ -42,6 +52,17 @@ class LoopDetector {
     std::set<KeyframeId> group;
     int length = 1;
   };
+  /// A place, and the keyframes whose landmarks told it.
+  struct Found {
+    RelocalisationResult place;
+    std::vector<KeyframeId> group;
+  };
+  /// Where the keyframe is by the landmarks of the map as it was before the first unsure keyframe, if that is
+  /// elsewhere.
+  std::optional<LoopClosure> compareWithBefore(const Map& map, const PlaceIndex& index, const Keyframe& current);
+  /// Where it is by the landmarks of some keyframes of its tree.
+  std::optional<Found> findAmong(const Map& map, const PlaceIndex& index, const Keyframe& current,
+                                 const std::function<bool(KeyframeId)>& among) const;
   std::vector<KeyframeId> consistentCandidates(const Map& map, const std::vector<KeyframeId>& candidates);
   std::optional<LoopClosure> verify(const Map& map, const Keyframe& current, KeyframeId candidate,
                                     const std::set<KeyframeId>& around_current) const;
@@ -52,6 +73,8 @@ class LoopDetector {
   LoopDetectorConfig config_;
   FramePoseConfig tracker_;
   std::vector<Chain> chains_;
+  std::optional<KeyframeId> unsure_since_;
+  KeyframeId last_unsure_;
 };
 
 }  // namespace semantic_vslam

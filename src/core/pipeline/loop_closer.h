@@ -29,6 +29,8 @@ class LoopCloser {
   /// if they are two. adjustAll() should follow.
   /// @return whether a loop was closed
   bool closeAt(KeyframeId keyframe, const Alone& alone);
+  /// See LoopDetector. For each new keyframe, before closeAt(), alone with the map.
+  void noteKeyframe(KeyframeId id, double found_share) { detector_.noteKeyframe(id, found_share); }
   /// Global bundle adjustment. @param abort  ends it early, with nothing changed
   void adjustAll(const Alone& alone, const AbortFlag& abort);
 

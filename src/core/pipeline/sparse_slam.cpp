@@ -188,6 +188,8 @@ KeyframeId SparseSlam::insert(const TrackedFrame& frame) {
 void SparseSlam::insertLast(SparseStep& step) {
   step.keyframe = insert(state_.tracker.lastFrame());
   state_.tracker.keyframeInserted(state_.map, *step.keyframe);
+  const auto expected = static_cast<double>(step.tracking.visible.size());
+  if (expected > 0.0) loops_.noteKeyframe(*step.keyframe, step.tracking.inliers / expected);
 }
 
 bool SparseSlam::maintain(KeyframeId keyframe, std::uint64_t frame, StageTimes& times, const Alone& alone,

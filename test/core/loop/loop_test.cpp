@@ -176,6 +176,57 @@ TEST(LoopDetector, ARoomThatLooksTheSameIsNoLoopBecauseNoDriftIsThatLarge) {
   EXPECT_TRUE(walkTwoRooms(careless));  // appearance and geometry alone cannot tell the rooms apart
 }
 
+/// A camera that pans 40 degrees aside and back, always with part of the first view in sight. On the way back the map
+/// puts it off by some way, as when people covered most of the view.
+class PanAside {
+ public:
+  PanAside() { world_.addRoom({0, 0, 0}, {6, 3, 6}, 3000); }
+
+  /// @param found_share  of the landmarks in view, of the keyframes half way
+  std::optional<LoopClosure> run(LoopDetector& detector, double off_m, double found_share) {
+    constexpr int kHalf = 10;
+    for (int k = 0; k < 2 * kHalf; ++k) {
+      const double heading = 0.07 * (k < kHalf ? k : 2 * kHalf - 1 - k);
+      const SE3 truth =
+          makeSE3(Eigen::Quaterniond(Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitY())), {0.01 * k, 0, 0}).inverse();
+      const SE3 off(Eigen::Translation3d(k < kHalf ? 0.0 : off_m, 0.0, 0.0));
+      const KeyframeId id = addKeyframe(world_, synthetic_, truth, truth * off, {}, 3);
+      detector.noteKeyframe(id, k == kHalf ? found_share : 0.5);
+      const auto closure = detector.detect(synthetic_.map, index_, id);
+      if (closure) return closure;
+      index_.add(id, *synthetic_.map.keyframe(id)->features);
+    }
+    return std::nullopt;
+  }
+  double errorOf(const LoopClosure& closure) const {
+    return (closure.T_current_world.inverse().translation() -
+            synthetic_.true_T_camera_world[closure.current.value()].inverse().translation())
+        .norm();
+  }
+  const Map& map() const { return synthetic_.map; }
+
+ private:
+  SyntheticWorld world_{4};
+  SyntheticMap synthetic_;
+  PlaceIndex index_;
+};
+
+TEST(LoopDetector, AfterAnUnsureKeyframeTheOlderMapIsLookedForThoughTrackingConnectsIt) {
+  PanAside pan;
+  LoopDetector detector({}, {});
+  const auto closure = pan.run(detector, 0.08, 0.1);
+  ASSERT_TRUE(closure);
+  EXPECT_LT(closure->matched.value(), 10U);
+  EXPECT_GE(closure->current.value(), 10U);
+  EXPECT_LT(pan.errorOf(*closure), 0.02);
+}
+
+TEST(LoopDetector, ASureMapAndOneThatFitsAreLeftAlone) {
+  LoopDetector sure({}, {}), fits({}, {});
+  EXPECT_FALSE(PanAside().run(sure, 0.08, 0.5));
+  EXPECT_FALSE(PanAside().run(fits, 0.01, 0.1));
+}
+
 TEST(LoopDetector, RefusesAConfigOutOfRange) {
   LoopDetectorConfig config;
   config.consistent_keyframes = 0;

@@ -52,6 +52,8 @@ struct LoopDetectorConfig {
   double max_drift_base_m = 0.3;
   double max_drift_rad_per_m = 0.03;
   double max_drift_base_rad = 0.15;
+  double sure_share = 0.2;
+  double same_place_m = 0.03;
   RelocalisationConfig verification;
 
   template <class Visitor>
@@ -73,6 +75,15 @@ struct LoopDetectorConfig {
     v.field("max_drift_base_m", max_drift_base_m, 0.0, 10.0, "added to that");
     v.field("max_drift_rad_per_m", max_drift_rad_per_m, 0.0, 1.0, "the same for rotation");
     v.field("max_drift_base_rad", max_drift_base_rad, 0.0, 3.2, "added to that");
+    v.field(
+        "sure_share", sure_share, 0.0, 1.0,
+        "share of the landmarks that should be in view that a keyframe must find: from one on that found fewer, the "
+        "map may have drifted. With a free view it is a third to a half, on ten recordings with people at 10 and "
+        "30 Hz; people who cover most of the view leave a tenth");
+    v.field(
+        "same_place_m", same_place_m, 0.0, 1.0,
+        "the older map must put such a keyframe this far from where it is to be bent: a place by 40 landmarks is good "
+        "to 1-2 cm (verification.max_sigma_m)");
     v.group("verification", verification);
   }
 };

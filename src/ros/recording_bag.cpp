@@ -53,14 +53,14 @@ geometry_msgs::TransformStamped edge(Stamp stamp, const std::string& parent, con
 
 }  // namespace
 
-RecordingBag::RecordingBag(const std::string& path, const CameraIntrinsics& camera, bool lz4)
+RecordingBag::RecordingBag(const std::string& path, const CameraIntrinsics& camera, rosbag::CompressionType compression)
     : file_(path), camera_(camera), bag_(std::make_unique<rosbag::Bag>()) {
   try {
     bag_->open(file_.temporary(), rosbag::bagmode::Write);
   } catch (const rosbag::BagException& error) {
     fail(error);
   }
-  bag_->setCompression(lz4 ? rosbag::compression::LZ4 : rosbag::compression::Uncompressed);
+  bag_->setCompression(compression);
 }
 
 RecordingBag::~RecordingBag() {

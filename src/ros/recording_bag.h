@@ -21,9 +21,8 @@ namespace semantic_vslam {
 /// The bag appears under its name on close(); until then, and if that never comes, there is none.
 class RecordingBag {
  public:
-  /// @param lz4  compress; about half the size
   /// @throws FileError if the file cannot be made
-  RecordingBag(const std::string& path, const CameraIntrinsics& camera, bool lz4);
+  RecordingBag(const std::string& path, const CameraIntrinsics& camera, rosbag::CompressionType compression);
   ~RecordingBag();
 
   /// Each throws FileError, for example when the disk is full.

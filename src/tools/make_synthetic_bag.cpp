@@ -40,6 +40,7 @@ constexpr const char* kUsage =
     "  --fps N             frames a second (30)\n"
     "  --jpeg              colour as JPEG 95 in a TUM folder, a quarter of the size\n"
     "  --lz4               compress the bag, about half the size\n"
+    "  --small             a bag of a sixth of the size: bz2, and colour without noise, in steps of 4\n"
     "  --threads N         frames rendered at once (2); the result does not depend on it\n"
     "  --random-views N    instead of a scenario, N unrelated random rooms, people and views, to train networks on\n"
     "  --list              print the scenarios\n";
@@ -60,13 +61,23 @@ class Sink {
 /// What must stay out of a map: people, and whatever else moves.
 cv::Mat1b dynamicMask(const SyntheticFrame& frame) { return frame.person_mask | frame.moving_mask; }
 
+/// Six bits a channel, which nobody sees and bz2 makes half as large.
+cv::Mat3b coarseColour(const cv::Mat3b& bgr) {
+  cv::Mat3b coarse = bgr.clone();
+  for (cv::Vec3b& pixel : coarse) {
+    for (int channel = 0; channel < 3; ++channel) pixel[channel] = static_cast<std::uint8_t>((pixel[channel] & ~3) + 2);
+  }
+  return coarse;
+}
+
 class BagSink : public Sink {
  public:
-  BagSink(const std::string& path, const CameraIntrinsics& camera, bool lz4) : bag_(path, camera, lz4) {}
+  BagSink(const std::string& path, const CameraIntrinsics& camera, rosbag::CompressionType compression)
+      : bag_(path, camera, compression), coarse_(compression == rosbag::compression::BZ2) {}
   void write(const SyntheticFrame& frame) override {
     const Stamp stamp = frame.frame.stamp;
     bag_.writePoseMessage(stamp, frame.T_world_camera);
-    bag_.writeColour(stamp, frame.frame.bgr);
+    bag_.writeColour(stamp, coarse_ ? coarseColour(frame.frame.bgr) : frame.frame.bgr);
     bag_.writeDepth(stamp, frame.frame.depth_m);
     bag_.writeMask(stamp, dynamicMask(frame));
     bag_.writeLabels(stamp, frame.labels);
@@ -75,6 +86,7 @@ class BagSink : public Sink {
 
  private:
   RecordingBag bag_;
+  const bool coarse_;
 };
 
 class FolderSink : public Sink {
@@ -168,6 +180,12 @@ void printScenarios() {
   for (const auto& [name, description] : listScenarios()) std::printf("%-20s %s\n", name.c_str(), description.c_str());
 }
 
+rosbag::CompressionType compressionOf(const Arguments& arguments) {
+  if (arguments.has("--small") && arguments.has("--lz4")) throw UsageError("give either --small or --lz4");
+  if (arguments.has("--small")) return rosbag::compression::BZ2;
+  return arguments.has("--lz4") ? rosbag::compression::LZ4 : rosbag::compression::Uncompressed;
+}
+
 SyntheticFrame renderRandomView(std::uint64_t seed, int index, const CameraIntrinsics& camera) {
   const SyntheticRoom room(makeRandomView(seed * 1000003ULL + static_cast<std::uint64_t>(index)), camera);
   SyntheticFrame frame = room.render(kRandomViewTimeS);
@@ -182,6 +200,7 @@ int run(const Arguments& arguments) {
   }
   const auto bag = arguments.value("--out"), folder = arguments.value("--tum");
   if (bag.has_value() == folder.has_value()) throw UsageError("give either --out FILE.bag or --tum DIR");
+  if (folder && arguments.has("--small")) throw UsageError("--small is for a bag (--out); a folder takes --jpeg");
   const auto camera = syntheticCamera(arguments.value("--size").value_or("640x480"));
   const auto seed = static_cast<std::uint64_t>(arguments.count("--seed", 1));
   const int threads = static_cast<int>(std::clamp<std::size_t>(arguments.count("--threads", 2), 1, 64));
@@ -193,11 +212,12 @@ int run(const Arguments& arguments) {
     const double seconds = arguments.has("--seconds") ? arguments.positiveNumber("--seconds", 0.0) : 0.0;
     Scenario scenario = makeScenario(arguments.value("--scenario").value_or("walking"), seed, seconds);
     scenario.fps = arguments.positiveNumber("--fps", 30.0);
+    if (arguments.has("--small")) scenario.sensor.color_noise = 0.0;
     room = std::make_unique<SyntheticRoom>(scenario, camera);
   }
   std::unique_ptr<Sink> sink;
   if (bag) {
-    sink = std::make_unique<BagSink>(*bag, camera, arguments.has("--lz4"));
+    sink = std::make_unique<BagSink>(*bag, camera, compressionOf(arguments));
   } else {
     sink = std::make_unique<FolderSink>(*folder, camera, arguments.has("--jpeg"));
   }
@@ -222,6 +242,6 @@ int main(int argc, char** argv) {
     return run(Arguments(
         argc, argv,
         {"--out", "--tum", "--scenario", "--seed", "--seconds", "--size", "--fps", "--threads", "--random-views"},
-        {"--jpeg", "--lz4", "--list"}, {}));
+        {"--jpeg", "--lz4", "--small", "--list"}, {}));
   });
 }

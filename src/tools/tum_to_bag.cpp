@@ -74,7 +74,8 @@ class PoseWriter {
 void convert(TumSequence& sequence, const std::string& path, const Options& options) {
   // Poses just outside the images let a reader interpolate at the first and the last one.
   constexpr std::int64_t kPoseMarginNs = 200'000'000;
-  RecordingBag bag(path, sequence.camera()->intrinsics(), options.lz4);
+  RecordingBag bag(path, sequence.camera()->intrinsics(),
+                   options.lz4 ? rosbag::compression::LZ4 : rosbag::compression::Uncompressed);
   PoseWriter poses(bag, sequence.groundTruth(), options.tf);
   sequence.skip(options.start);
   std::size_t written = 0, masks = 0;

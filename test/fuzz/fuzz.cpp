@@ -91,7 +91,7 @@ void recordSeeds(const fs::path& folder) {
   config.segmentation.model.clear();
   Pipeline system(config);
   DenseMapContent dense;
-  RecordingBag bag((folder / "seed.bag").string(), camera, true);
+  RecordingBag bag((folder / "seed.bag").string(), camera, rosbag::compression::LZ4);
   DenseMapper mapper(config.dense, syntheticLabels());
   std::uint64_t keyframe = 0;
   while (std::optional<RgbdFrame> frame = source.next()) {

@@ -63,7 +63,7 @@ class BagSourceTest : public testing::Test {
 
   /// Three frames at 0, 100 and 200 ms; depth 5 ms late; a mask on the second; true poses every 10 ms.
   void writeRecording() {
-    RecordingBag bag(path_, smallCamera(), true);
+    RecordingBag bag(path_, smallCamera(), rosbag::compression::LZ4);
     for (int i = 0; i < 3; ++i) {
       bag.writeColour(atMs(100 * i), cv::Mat3b(kSize, cv::Vec3b(10, 20, static_cast<std::uint8_t>(30 + i))));
       bag.writeDepth(atMs(100 * i + 5), depthImage(i));
@@ -278,7 +278,7 @@ TEST_F(BagSourceTest, ImagesTooFarApartInTimeAreNamed) {
 TEST_F(BagSourceTest, UncalibratedDriverDefaultIsWarnedAbout) {
   CameraIntrinsics k;  // 525 px, as the driver says without a calibration
   {
-    RecordingBag bag(path_, k, false);
+    RecordingBag bag(path_, k, rosbag::compression::Uncompressed);
     bag.writeColour(atMs(0), cv::Mat3b(480, 640, cv::Vec3b(1, 2, 3)));
     bag.writeDepth(atMs(0), cv::Mat1f(480, 640, 1.0F));
     bag.close();
@@ -291,11 +291,12 @@ TEST_F(BagSourceTest, UncalibratedDriverDefaultIsWarnedAbout) {
 
 TEST_F(BagSourceTest, ABagThatIsNotClosedLeavesNothingBehind) {
   {
-    RecordingBag bag(path_, smallCamera(), false);
+    RecordingBag bag(path_, smallCamera(), rosbag::compression::Uncompressed);
     bag.writeDepth(atMs(0), depthImage(0));
   }
   EXPECT_TRUE(fs::is_empty(folder_));
-  expectError([&] { RecordingBag("/nonexistent/a.bag", smallCamera(), false); }, {"/nonexistent/a.bag"});
+  expectError([&] { RecordingBag("/nonexistent/a.bag", smallCamera(), rosbag::compression::Uncompressed); },
+              {"/nonexistent/a.bag"});
 }
 
 TEST_F(BagSourceTest, AFullDiskIsOneErrorThatNamesTheBag) {
@@ -305,7 +306,7 @@ TEST_F(BagSourceTest, AFullDiskIsOneErrorThatNamesTheBag) {
   const rlimit small{200'000, old_limit.rlim_max};  // a file may grow to this size only, as on a full disk
   expectError(
       [&] {
-        RecordingBag bag(path_, smallCamera(), false);
+        RecordingBag bag(path_, smallCamera(), rosbag::compression::Uncompressed);
         setrlimit(RLIMIT_FSIZE, &small);
         for (int i = 0; i < 1000; ++i) bag.writeDepth(atMs(i), depthImage(0));
         bag.close();

@@ -16,7 +16,7 @@ import unittest
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 DOCUMENTS = ("doc/method.md", "doc/architecture.md")
-LINKING = DOCUMENTS + ("README.md", "CONTRIBUTING.md")
+LINKING = DOCUMENTS + ("README.md", "CONTRIBUTING.md", "doc/nodes.md", "doc/benchmarks.md", "doc/place_recognition.md", "bags/README.md")
 PLACES = r"(?:src|include|test|msg|cfg|launch|scripts|models|doc|cmake)/[\w./-]*"
 
 

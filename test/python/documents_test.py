@@ -8,6 +8,7 @@
 `group.key = 2.0`, `kConstant = 64`           a header or source has a value of that name and size
 `Suite.Test`                                  a test under test/ has that name
 Links of all documents lead to files, and to headings in them.
+README's table of symptoms quotes what the code says, and its remedies are keys and launch arguments that exist.
 """
 import glob
 import os
@@ -82,6 +83,26 @@ class Documents(unittest.TestCase):
         for document, match in self.citations(r"[A-Z]\w+\.[A-Z]\w+"):
             with self.subTest(document=document):
                 self.assertIn(match.group(), names, f"{document} cites a test that is not there")
+
+    def test_symptoms_and_remedies_of_the_readme_exist(self):
+        code = "".join(read(path) for path in sources("include", "src"))
+        launch = "".join(read(path) for path in sources("launch", suffixes=(".launch",)))
+        section = read("README.md").split("## When it is lost or slow", 1)[1].split("\n## ", 1)[0]
+        rows = [row.strip("|").split("|") for row in section.splitlines() if row.startswith("| ")][1:]
+        self.assertGreater(len(rows), 10)
+        for symptom, _, remedy in rows:
+            for quoted in re.findall(r"`([^`]+)`", symptom):
+                for piece in re.split(r"TOPIC|\.\.\.|[\d.]+ ", quoted):
+                    with self.subTest(symptom=quoted):
+                        self.assertIn(piece.strip(), code)
+            for given in re.findall(r"`([^`]+)`", remedy + symptom):
+                argument = re.match(r"(\w+):=", given)
+                key = re.fullmatch(r"~?([a-z]\w*(?:[./]\w+)*)(?:: \S+)?", given)
+                with self.subTest(remedy=given):
+                    if argument:
+                        self.assertIn(f'name="{argument[1]}"', launch)
+                    elif key and re.search(r"[_./]", key[1]) and not key[1].startswith(("slam_", "robot_", "enable_")):
+                        self.assertIn(f'"{re.split("[./]", key[1])[-1]}"', code)
 
     def test_links_lead_somewhere(self):
         for document in LINKING:

@@ -15,42 +15,11 @@
 #include "ros/map_publisher.h"
 #include "ros/map_services.h"
 #include "ros/motion_input.h"
+#include "ros/node_configs.h"
 #include "ros/parameters.h"
 #include "ros/stage_nodelet.h"
 
 namespace semantic_vslam {
-
-struct MappingNodeletConfig {
-  std::string map_frame = "map";
-  std::string output_directory = ".";
-  std::string map;
-  double budget_ms = 300.0;
-  double publish_period_s = 1.0;
-  KeyframeInputsConfig inputs;
-  KeptInputConfig frames;
-  RemovalConfig removal;
-  DenseConfig dense;
-  MapObjectsConfig objects;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.text("map_frame", map_frame, "frame_id of the maps");
-    v.text("output_directory", output_directory,
-           "where ~save writes map.dense, cloud.pcd, mesh.ply, map.ot, map.bt, grid.pgm and grid.yaml, of which the "
-           "first is "
-           "read when tracking loads the map it "
-           "belongs to");
-    v.text("map", map, "folder with a saved map that tracking loads at the start, see its ~map");
-    v.field("budget_ms", budget_ms, 1.0, 10000.0, "ms a keyframe may take before the diagnostics warn");
-    v.field("publish_period_s", publish_period_s, 0.1, 60.0, "s between publications of a map that changes");
-    inputs.visit(v);
-    frames.visit(v);
-    v.group("removal", removal);
-    v.group("dense", dense);
-    v.group("depth_noise", dense.keyframe.depth_noise);
-    v.group("objects", objects);
-  }
-};
 
 /// Images and poses of keyframes, motion masks and labels -> mapping/{semantic_cloud, octomap_binary, octomap_full,
 /// projected_map, objects, object_markers}, and mapping/removed when watched. The maps follow tracking/keyframe_poses.
@@ -64,7 +33,7 @@ class MappingTopics {
   void publishRemoved(const KeyframeInput& input, const cv::Mat1b& removed);
   void describe(StageDiagnostics::Status& status);
 
-  const MappingNodeletConfig config_;
+  const MappingNodeConfig config_;
   DenseMapFiles files_;
   const Published motion_runs_, network_runs_;
   MapPublisher publisher_;
@@ -75,15 +44,15 @@ class MappingTopics {
 };
 
 MappingTopics::MappingTopics(const NodeletHandles& node)
-    : config_(loadParameters<MappingNodeletConfig>(node.private_nh)),
-      files_(node, config_.output_directory, config_.map),
+    : config_(loadParameters<MappingNodeConfig>(node.private_nh)),
+      files_(node, config_.folders.output_directory, config_.folders.map),
       motion_runs_(node.nh, "motion/mask"),
       network_runs_(node.nh, "segmentation/labels"),
-      publisher_(node.nh, config_.map_frame, config_.objects),
+      publisher_(node.nh, config_.frames.map_frame, config_.objects),
       removed_(node.nh.advertise<sensor_msgs::Image>("mapping/removed", 5)),
       diagnostics_(node, "mapping", config_.budget_ms),
       runner_(DenseStage(config_.dense, config_.removal, [this](std::uint32_t map_id) { return files_.find(map_id); }),
-              config_.inputs, config_.frames.kept_frames, hooks()),
+              config_.inputs, config_.images.kept_frames, hooks()),
       inputs_(node) {
   if (!config_.dense.enabled) {
     ROS_INFO("dense.enabled is false: no dense map is made");
@@ -102,7 +71,7 @@ MappingTopics::MappingTopics(const NodeletHandles& node)
     runner_.run([&](DenseStage& stage) { done = files_.save(stage); });
     return done;
   });
-  offerMapServices(inputs_, runner_, config_.map_frame);
+  offerMapServices(inputs_, runner_, config_.frames.map_frame);
   // With the sparse map, so that both can be loaded as one.
   inputs_.waitingTopic<std_msgs::UInt32>("tracking/map_saved", 1, [this](const auto&) {
     runner_.run([this](DenseStage& stage) { files_.saveWithSparse(stage); });
@@ -120,7 +89,7 @@ MappingTopics::MappingTopics(const NodeletHandles& node)
   // When the worker is far behind keyframes wait, but not the thread that takes the images in.
   inputs_.waitingTopic<KeyframeStamped>("tracking/keyframe", 50,
                                         [this](const auto& keyframe) { runner_.name(noticeFromRos(*keyframe)); });
-  inputs_.images(config_.frames.input, [this](PendingFrame frame) { runner_.offer(std::move(frame)); });
+  inputs_.images(config_.images.input, [this](PendingFrame frame) { runner_.offer(std::move(frame)); });
   inputs_.report(
       diagnostics_, [this] { return runner_.counters(); }, [this](auto& status) { describe(status); });
 }

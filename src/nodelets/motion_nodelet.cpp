@@ -13,27 +13,12 @@
 #include "core/motion/flow_colour.h"
 #include "core/runtime/motion_runner.h"
 #include "ros/conversions.h"
+#include "ros/node_configs.h"
 #include "ros/parameters.h"
 #include "ros/stage_nodelet.h"
 #include "ros/threshold_server.h"
 
 namespace semantic_vslam {
-
-struct MotionNodeletConfig {
-  double budget_ms = 33.0;
-  RgbdInputConfig input;
-  MotionConfig motion;
-  RemovalConfig removal;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("budget_ms", budget_ms, 1.0, 1000.0, "ms a frame may take before the diagnostics warn; 33 keeps 30 Hz");
-    v.group("input", input);
-    v.group("motion", motion);
-    v.group("depth_noise", motion.rigid.depth_noise);
-    v.group("removal", removal);
-  }
-};
 
 /// Images -> motion/mask (mono8, probability 0..255 that a pixel is on a moving object), motion/flow_image when
 /// watched, motion/report. Labels and keyframe poses, late as they are, count from the next frame on.
@@ -45,18 +30,18 @@ class MotionTopics {
   void publish(const RgbdFrame& frame, const MotionResult& motion, StepTime time);
   void describe(StageDiagnostics::Status& status);
 
-  const MotionNodeletConfig config_;
+  const MotionNodeConfig config_;
   ros::Publisher mask_, flow_, report_;
   StageDiagnostics diagnostics_;
   std::mutex mutex_;
   MotionReport newest_;  // guarded by mutex_
   MotionRunner runner_;
-  ThresholdServer<MotionThresholdsConfig, MotionNodeletConfig> thresholds_;
+  ThresholdServer<MotionThresholdsConfig, MotionNodeConfig> thresholds_;
   NodeInputs inputs_;
 };
 
 MotionTopics::MotionTopics(const NodeletHandles& node)
-    : config_(loadParameters<MotionNodeletConfig>(node.private_nh)),
+    : config_(loadParameters<MotionNodeConfig>(node.private_nh)),
       mask_(node.nh.advertise<sensor_msgs::Image>("motion/mask", 5)),
       flow_(node.nh.advertise<sensor_msgs::Image>("motion/flow_image", 1)),
       report_(node.nh.advertise<MotionReport>("motion/report", 30)),
@@ -64,7 +49,7 @@ MotionTopics::MotionTopics(const NodeletHandles& node)
       runner_(MotionStage(config_.motion, config_.removal), config_.input.queue_size,
               [this](const auto& frame, const auto& motion, StepTime time) { publish(frame, motion, time); }),
       thresholds_(node.private_nh, config_,
-                  [this](const MotionNodeletConfig& accepted) {
+                  [this](const MotionNodeConfig& accepted) {
                     runner_.take(accepted.motion);
                     runner_.take(accepted.removal);
                   }),

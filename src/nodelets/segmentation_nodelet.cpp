@@ -11,25 +11,12 @@
 #include "core/runtime/label_runner.h"
 #include "core/segmentation/label_picture.h"
 #include "ros/conversions.h"
+#include "ros/node_configs.h"
 #include "ros/parameters.h"
 #include "ros/stage_nodelet.h"
 #include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
-
-struct SegmentationNodeletConfig {
-  double budget_ms = 500.0;
-  KeptInputConfig frames;
-  SegmentationConfig segmentation;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("budget_ms", budget_ms, 1.0, 10000.0,
-            "ms a keyframe may take before the diagnostics warn; keyframes come about twice a second");
-    frames.visit(v);
-    v.group("segmentation", segmentation);
-  }
-};
 
 /// Images of keyframes, and of what tracking/labels_wanted names -> segmentation/labels (mono8, index into label_info),
 /// segmentation/label_info (latched), segmentation/overlay when watched. Without a network label_info holds the
@@ -44,7 +31,7 @@ class SegmentationTopics {
   void publish(const RgbdFrame& frame, const FrameLabels& labels, StepTime time);
   void describe(StageDiagnostics::Status& status);
 
-  const SegmentationNodeletConfig config_;
+  const SegmentationNodeConfig config_;
   std::atomic<bool> network_failed_{false};
   ros::Publisher labels_, info_, overlay_;
   StageDiagnostics diagnostics_;
@@ -53,11 +40,11 @@ class SegmentationTopics {
 };
 
 SegmentationTopics::SegmentationTopics(const NodeletHandles& node)
-    : config_(loadParameters<SegmentationNodeletConfig>(node.private_nh)),
+    : config_(loadParameters<SegmentationNodeConfig>(node.private_nh)),
       info_(node.nh.advertise<LabelInfo>("segmentation/label_info", 1, true)),
       diagnostics_(node, "segmentation", config_.budget_ms),
       runner_(
-          openNetwork(), config_.frames.kept_frames,
+          openNetwork(), config_.images.kept_frames,
           [this](const auto& frame, const auto& labels, StepTime time) { publish(frame, labels, time); },
           [this] {
             network_failed_ = true;
@@ -94,7 +81,7 @@ void SegmentationTopics::takeImages() {
                                   [this](const auto& image) { runner_.ask(fromRos(image->stamp)); });
   inputs_.topic<KeyframePoseArray>("tracking/keyframe_poses", 1,
                                    [this](const auto& map) { runner_.take(fromRos(*map)); });
-  inputs_.images(config_.frames.input, [this](PendingFrame frame) { runner_.offer(std::move(frame)); });
+  inputs_.images(config_.images.input, [this](PendingFrame frame) { runner_.offer(std::move(frame)); });
 }
 
 void SegmentationTopics::publish(const RgbdFrame& frame, const FrameLabels& labels, StepTime time) {

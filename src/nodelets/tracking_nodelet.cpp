@@ -12,44 +12,13 @@
 #include "core/runtime/tracking_runner.h"
 #include "ros/conversions.h"
 #include "ros/motion_input.h"
+#include "ros/node_configs.h"
 #include "ros/parameters.h"
 #include "ros/sparse_map_files.h"
 #include "ros/stage_nodelet.h"
 #include "ros/tracking_publisher.h"
 
 namespace semantic_vslam {
-
-struct TrackingNodeletConfig {
-  double budget_ms = 33.0;
-  double path_period_s = 0.5;
-  std::string output_directory = ".";
-  std::string map;
-  TrackingWaits waits;
-  RgbdInputConfig input;
-  FramesConfig frames;
-  InitialPoseConfig initial_pose;
-  RemovalConfig removal;
-  PeopleConfig people;
-  SparseSlamConfig slam;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("budget_ms", budget_ms, 1.0, 1000.0, "ms a frame may take before the diagnostics warn; 33 keeps 30 Hz");
-    v.field("path_period_s", path_period_s, 0.05, 60.0, "s between publications of the path");
-    v.text("output_directory", output_directory,
-           "where ~save_map writes map.slam, which ~load_map reads, and ~save_trajectory trajectory.txt (TUM format, "
-           "optical "
-           "frame in the map)");
-    v.text("map", map, "folder whose map.slam is loaded at the start; empty: none");
-    waits.visit(v);
-    v.group("input", input);
-    v.group("frames", frames);
-    v.group("initial_pose", initial_pose);
-    v.group("removal", removal);
-    v.group("people", people);
-    slam.visit(v);  // tracking and mapping, as in a configuration file
-  }
-};
 
 /// Images and motion masks -> pose on tf and tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points},
 /// and tracking/labels_wanted while the start waits for labels. Owner of the sparse map.
@@ -64,7 +33,7 @@ class TrackingTopics {
   PendingFrame withBody(PendingFrame frame);
   void describe(StageDiagnostics::Status& status);
 
-  const TrackingNodeletConfig config_;
+  const TrackingNodeConfig config_;
   // Ids of an earlier run of this node must not pass for ours with whoever kept its keyframes.
   const std::uint32_t first_map_id_ = ros::WallTime::now().sec;
   const Published motion_runs_, network_runs_;
@@ -78,7 +47,7 @@ class TrackingTopics {
 };
 
 TrackingTopics::TrackingTopics(const NodeletHandles& node)
-    : config_(loadParameters<TrackingNodeletConfig>(node.private_nh)),
+    : config_(loadParameters<TrackingNodeConfig>(node.private_nh)),
       motion_runs_(node.nh, "motion/mask"),
       network_runs_(node.nh, "segmentation/labels"),
       publisher_(node.nh, config_.frames, config_.initial_pose, config_.people, config_.path_period_s, first_map_id_),
@@ -86,9 +55,9 @@ TrackingTopics::TrackingTopics(const NodeletHandles& node)
       diagnostics_(node, "tracking", config_.budget_ms),
       runner_(TrackingStage(config_.slam, config_.waits, config_.removal, first_map_id_), config_.waits,
               config_.input.queue_size, hooks()),
-      files_(node, config_.output_directory, runner_, publisher_),
+      files_(node, config_.folders.output_directory, runner_, publisher_),
       inputs_(node) {
-  files_.begin(config_.map);
+  files_.begin(config_.folders.map);
   offerServices();
   inputs_.everyWaiting(1.0, [this] { files_.keepForRecovery(); });
   takeMotion(inputs_, [this](Stamp stamp, const MotionResult& motion) { runner_.take(stamp, motion); });

@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "ros/node_configs.h"
 #include "ros/nodelet_main.h"
 
 int main(int argc, char** argv) {
-  return semantic_vslam::runNodelet(argc, argv, "slam_mapping", "semantic_vslam/Mapping");
+  using namespace semantic_vslam;
+  return runNodelet(argc, argv, "slam_mapping", "semantic_vslam/Mapping", listConfig(MappingNodeConfig()));
 }

@@ -14,7 +14,7 @@ constexpr const char* kDenseFile = "/map.dense";
 
 DenseMapFiles::DenseMapFiles(const NodeletHandles& node, const std::string& output_directory, const std::string& loaded)
     : output_(outputFolder(output_directory)),
-      loaded_(loaded.empty() ? "" : loaded + kDenseFile),
+      loaded_(loaded.empty() ? "" : expandHome(loaded) + kDenseFile),
       recovery_(node.private_nh, "map.dense") {}
 
 std::optional<DenseMapContent> DenseMapFiles::find(std::uint32_t map_id) const {

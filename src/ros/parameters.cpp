@@ -3,12 +3,12 @@
 #include "ros/parameters.h"
 
 #include <XmlRpcValue.h>
+#include <ros/console.h>
 
 #include <set>
 #include <sstream>
 
 #include "semantic_vslam/core/common/error.h"
-#include "semantic_vslam/core/pipeline/config.h"
 
 namespace semantic_vslam {
 namespace {
@@ -66,16 +66,16 @@ Entries readPrivateParameters(const ros::NodeHandle& private_nh) {
   return entries;
 }
 
-Entries readConfigFileFor(const std::vector<ConfigEntry>& known, const std::string& path) {
-  std::set<std::string> known_keys;
-  for (const ConfigEntry& entry : known) known_keys.insert(entry.key);
-  SystemConfig whole;
-  Entries entries;
-  for (auto& [key, value] : readConfigFile(path)) {
-    setConfig(whole, key, value);
-    if (known_keys.count(key) > 0) entries.emplace_back(key, value);
+void warnOfOverridden(const std::string& path, const std::vector<ConfigEntry>& file,
+                      const std::vector<ConfigEntry>& parameters) {
+  std::set<std::string> in_file;
+  for (const auto& [key, value] : readConfigFile(path)) in_file.insert(key);
+  for (std::size_t i = 0; i < file.size(); ++i) {  // both list the same keys
+    const auto& [key, value, bounds, documentation] = parameters[i];
+    if (value == file[i].value || in_file.count(key) == 0) continue;
+    ROS_WARN("'%s' says %s: %s, but the parameter or launch argument says '%s' and holds", path.c_str(), key.c_str(),
+             file[i].value.c_str(), value.c_str());
   }
-  return entries;
 }
 
 }  // namespace semantic_vslam

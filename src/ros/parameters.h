@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "ros/node_configs.h"
 #include "semantic_vslam/core/common/config_fields.h"
 
 namespace semantic_vslam {
@@ -17,24 +18,24 @@ namespace semantic_vslam {
 /// @throws ConfigError naming a parameter that is no single value (a list, binary data).
 std::vector<std::pair<std::string, std::string>> readPrivateParameters(const ros::NodeHandle& private_nh);
 
-/// Reads a configuration file of the whole system, as the offline tool takes it, and checks all of it.
-/// @return the entries that one of `known` names: those of the stages that this nodelet runs.
-/// @throws FileError for the file; ConfigError naming a key that no stage has, or that is mistyped or out of range.
-std::vector<std::pair<std::string, std::string>> readConfigFileFor(const std::vector<ConfigEntry>& known,
-                                                                   const std::string& path);
+/// Says of every key of the configuration file that a parameter has another value for, which is the one that holds.
+/// @param file, parameters  all values after the file, and after the parameters
+void warnOfOverridden(const std::string& path, const std::vector<ConfigEntry>& file,
+                      const std::vector<ConfigEntry>& parameters);
 
-/// Sets a described config from, in this order: its defaults, the YAML file in `~config_file`, and the private
-/// parameters. The key `motion.model` is the parameter `~motion/model`.
+/// Sets a described config from, in this order: its defaults, the YAML file in `~config_file`, which
+/// may hold keys of other nodes too, and the private parameters. The key `motion.model` is the parameter
+/// `~motion/model`.
 /// @throws ConfigError naming an unknown key, a wrong type or a value out of range; FileError for the file.
 template <class Config>
 Config loadParameters(const ros::NodeHandle& private_nh) {
   Config config;
   std::string config_file;
   private_nh.getParam("config_file", config_file);
-  if (!config_file.empty()) {
-    for (const auto& [key, value] : readConfigFileFor(listConfig(config), config_file)) setConfig(config, key, value);
-  }
+  if (!config_file.empty()) loadSharedConfigFile(config, config_file);
+  const Config of_file = config;
   for (const auto& [key, value] : readPrivateParameters(private_nh)) setConfig(config, key, value);
+  if (!config_file.empty()) warnOfOverridden(config_file, listConfig(of_file), listConfig(config));
   validateConfig(config);
   return config;
 }

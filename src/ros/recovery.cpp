@@ -77,9 +77,13 @@ void Recovery::forget() {
   kept_ = 0;
 }
 
+std::string expandHome(const std::string& path) {
+  const bool at_home = path == "~" || path.rfind("~/", 0) == 0;
+  return at_home ? (home() / path.substr(std::min<std::size_t>(2, path.size()))).string() : path;
+}
+
 std::string outputFolder(const std::string& folder) {
-  const bool at_home = folder == "~" || folder.rfind("~/", 0) == 0;
-  const fs::path path = at_home ? home() / folder.substr(std::min<std::size_t>(2, folder.size())) : fs::path(folder);
+  const fs::path path = expandHome(folder);
   std::error_code error;
   fs::create_directories(path, error);
   if (!fs::is_directory(path) || access(path.c_str(), W_OK) != 0) {

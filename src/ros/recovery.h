@@ -37,6 +37,9 @@ class Recovery {
   ros::SteadyTime next_;
 };
 
+/// @return the path, with the home folder for a leading ~
+std::string expandHome(const std::string& path);
+
 /// @return a folder, made if need be; a leading ~ is the home folder  @throws ConfigError if it cannot be written to
 std::string outputFolder(const std::string& folder);
 

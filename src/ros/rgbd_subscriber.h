@@ -19,49 +19,11 @@
 #include <string>
 
 #include "ros/log_throttle.h"
+#include "ros/node_configs.h"
 #include "ros/rgbd_converter.h"
 #include "ros/stage_diagnostics.h"
 
 namespace semantic_vslam {
-
-/// How a nodelet takes its images in.
-struct RgbdInputConfig {
-  std::string camera_file;
-  bool rectified = true;
-  std::string sync = "approximate";
-  double max_interval_s = 0.020;
-  int queue_size = 5;
-  double silent_after_s = 5.0;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.text("camera_file", camera_file,
-           "cfg/cameras/*.yaml that replaces camera_info, for drivers and bags without a calibration; empty: none");
-    v.flag("rectified", rectified,
-           "true: images are rectified, P of camera_info holds; false: raw images, K and D hold. A camera_file always "
-           "holds as it is");
-    v.choice("sync", sync, {"approximate", "exact"}, "exact: for drivers that stamp colour and depth equally");
-    v.field("max_interval_s", max_interval_s, 0.0, 0.1,
-            "s between colour and depth of a pair; in 20 ms a walker moves 2 cm, and 30 Hz streams always find a pair");
-    v.field("queue_size", queue_size, 1, 100, "pairs that wait for the worker; the oldest is dropped when full");
-    v.field("silent_after_s", silent_after_s, 0.5, 60.0, "s without a pair until the missing topics are named");
-  }
-};
-
-/// For stages that are told late which frames they need.
-struct KeptInputConfig {
-  int kept_frames = 30;
-  RgbdInputConfig input;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field(
-        "kept_frames", kept_frames, 2, 300,
-        "newest images that wait for the tracker to name one of them; 30 are a second and 75 MB at 640x480, once in a "
-        "manager of nodelets");
-    v.group("input", input);
-  }
-};
 
 /// Subscribes to `rgb/image_rect_color`, `depth_registered/image_rect` and `rgb/camera_info`, and pairs the images by
 /// stamp. The private parameters `image_transport` and `depth_image_transport` choose how images come in; raw unless

@@ -27,7 +27,7 @@ SparseMapFiles::SparseMapFiles(const NodeletHandles& node, const std::string& ou
       map_saved_(node.nh.advertise<std_msgs::UInt32>("tracking/map_saved", 1)) {}
 
 void SparseMapFiles::begin(const std::string& folder) {
-  if (!goOn() && !folder.empty()) ROS_INFO("%s", load(folder + kMapFile).c_str());
+  if (!goOn() && !folder.empty()) ROS_INFO("%s", load(expandHome(folder) + kMapFile).c_str());
 }
 
 bool SparseMapFiles::goOn() const {

@@ -16,30 +16,10 @@
 #include <string>
 
 #include "ros/log_throttle.h"
+#include "ros/node_configs.h"
 #include "semantic_vslam/core/geometry/se3.h"
 
 namespace semantic_vslam {
-
-/// The frames of the robot, REP 105.
-struct FramesConfig {
-  std::string map_frame = "map";
-  std::string odom_frame;
-  std::string base_frame;
-  bool publish_tf = true;
-  double tf_wait_s = 0.05;
-  double tf_future_s = 0.0;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.text("map_frame", map_frame, "the fixed frame that this node gives");
-    v.text("odom_frame", odom_frame, "odometry of the robot: map -> odom is published; empty: map -> base or camera");
-    v.text("base_frame", base_frame, "body of the robot, joined to the camera by tf; empty: the camera is the body");
-    v.flag("publish_tf", publish_tf, "false: only topics; another node broadcasts");
-    v.field("tf_wait_s", tf_wait_s, 0.0, 1.0, "s to wait for odom -> base of the image's stamp, which may lag behind");
-    v.field("tf_future_s", tf_future_s, 0.0, 1.0,
-            "s by which map -> odom is dated ahead, so that others can use it before the next image");
-  }
-};
 
 /// What tf says of the body at the stamp of an image.
 struct BodyTransforms {

@@ -23,6 +23,13 @@ static_assert(static_cast<int>(TrackingState::kInitialising) == TrackingReport::
               static_cast<int>(TrackingState::kRecentlyLost) == TrackingReport::RECENTLY_LOST &&
               static_cast<int>(TrackingState::kLost) == TrackingReport::LOST);
 
+SE3 transformOf(const InitialPoseConfig& pose) {
+  const Eigen::Quaterniond rotation = Eigen::AngleAxisd(pose.yaw, Eigen::Vector3d::UnitZ()) *
+                                      Eigen::AngleAxisd(pose.pitch, Eigen::Vector3d::UnitY()) *
+                                      Eigen::AngleAxisd(pose.roll, Eigen::Vector3d::UnitX());
+  return makeSE3(rotation, Eigen::Vector3d(pose.x, pose.y, pose.z));
+}
+
 /// Mean velocity since the last tracked frame, in the body's axes.
 geometry_msgs::TwistWithCovariance bodyVelocity(const TrackingEstimate& tracking, const SE3& T_camera_body) {
   geometry_msgs::TwistWithCovariance velocity;
@@ -41,13 +48,6 @@ geometry_msgs::TwistWithCovariance bodyVelocity(const TrackingEstimate& tracking
 }
 
 }  // namespace
-
-SE3 InitialPoseConfig::transform() const {
-  const Eigen::Quaterniond rotation = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
-                                      Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
-                                      Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX());
-  return makeSE3(rotation, Eigen::Vector3d(x, y, z));
-}
 
 TrackingPublisher::TrackingPublisher(ros::NodeHandle nh, const FramesConfig& frames,
                                      const InitialPoseConfig& initial_pose, const PeopleConfig& people,
@@ -106,7 +106,7 @@ void TrackingPublisher::publish(const TrackingInput& input, const TrackingOutput
     follow(*output.map);
     // Without a base frame the body is the camera itself, level and looking forward.
     const SE3 T_body_camera = frames_.base_frame.empty() ? bodyFromOptical() : body_.T_camera_body.inverse();
-    if (!T_map_world_) T_map_world_ = initial_pose_.transform() * T_body_camera;
+    if (!T_map_world_) T_map_world_ = transformOf(initial_pose_) * T_body_camera;
     frame_T_map_world_ = *T_map_world_;
     waited.swap(not_anchored_);
   }

@@ -8,7 +8,6 @@
 #include <std_msgs/Header.h>
 
 #include <atomic>
-#include <cmath>
 #include <cstdint>
 #include <mutex>
 #include <optional>
@@ -17,28 +16,12 @@
 #include "core/io/trajectory.h"
 #include "core/pipeline/tracking_stage.h"
 #include "core/runtime/step_clock.h"
+#include "ros/node_configs.h"
 #include "ros/people_publisher.h"
 #include "ros/stage_diagnostics.h"
 #include "ros/tf_publisher.h"
 
 namespace semantic_vslam {
-
-/// Where the body is in the map when tracking begins.
-struct InitialPoseConfig {
-  double x = 0, y = 0, z = 0, roll = 0, pitch = 0, yaw = 0;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v.field("x", x, -1e6, 1e6, "m");
-    v.field("y", y, -1e6, 1e6, "m");
-    v.field("z", z, -1e6, 1e6, "m; the camera's height if there is no base_frame and z = 0 is to be the floor");
-    v.field("roll", roll, -M_PI, M_PI, "rad, about x (forward)");
-    v.field("pitch", pitch, -M_PI, M_PI, "rad, about y (left); positive looks down");
-    v.field("yaw", yaw, -M_PI, M_PI, "rad, about z (up)");
-  }
-
-  SE3 transform() const;
-};
 
 /// Publishes what tracking finds: tf and tracking/{odometry, pose, path, state, keyframe, keyframe_poses, points}, and
 /// the people about, see PeoplePublisher. All of it comes from what a step gives; the map itself is never asked.

@@ -19,6 +19,7 @@
 #include "core/common/arguments.h"
 #include "core/common/progress.h"
 #include "core/io/tum_writer.h"
+#include "core/runtime/this_thread.h"
 #include "eval/scenario_source.h"
 #include "ros/recording_bag.h"
 #include "semantic_vslam/core/common/error.h"
@@ -134,6 +135,7 @@ class OrderedProduction {
 
  private:
   void work() {
+    nameThread("render");
     std::unique_lock<std::mutex> lock(mutex_);
     while (true) {
       changed_.wait(lock, [this] { return stopped_ || started_ >= count_ || started_ < taken_ + ahead_; });

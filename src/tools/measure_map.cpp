@@ -33,6 +33,7 @@
 #include "eval/map_score.h"
 #include "eval/open_recording.h"
 #include "eval/scenario_source.h"
+#include "ros/node_configs.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/common/stage_timing.h"
 #include "semantic_vslam/core/pipeline/pipeline.h"
@@ -79,7 +80,7 @@ struct Options {
 
 Options readOptions(const Arguments& arguments) {
   Options options;
-  if (const auto file = arguments.value("--config")) loadConfigFile(options.config, *file);
+  if (const auto file = arguments.value("--config")) loadSharedConfigFile(options.config, *file);
   applySettings(arguments, options.config);
   options.out = arguments.value("--out").value_or("");
   options.frames = arguments.count("--frames", 1000000, 1);

@@ -26,6 +26,7 @@
 #include "eval/open_recording.h"
 #include "eval/run_recorder.h"
 #include "ros/bag_source.h"
+#include "ros/node_configs.h"
 #include "semantic_vslam/core/common/error.h"
 #include "semantic_vslam/core/pipeline/pipeline.h"
 #include "semantic_vslam/core/runtime/pipeline_runner.h"
@@ -41,7 +42,9 @@ constexpr const char* kUsage =
     "Runs a TUM folder or a bag through the whole system. DIR gets trajectory.txt and keyframes.txt (TUM format),\n"
     "cloud.pcd, map.ot, mesh.ply, timing.csv, summary.json and overview.png.\n"
     "  --camera FILE        cfg/cameras/*.yaml; a bag may do without it: then its camera_info holds\n"
-    "  --config FILE        YAML with any of the keys of --list-config\n"
+    "  --config FILE        YAML with any of the keys of --list-config; it may be the nodes' file: what they alone "
+    "have\n"
+    "                       counts for nothing here\n"
     "  --set KEY=VALUE      one key; may be repeated, holds over --config\n"
     "  --deterministic      one thread, nothing dropped, the same bytes out for the same bytes in (the default, said\n"
     "                       for the record: it refuses --realtime)\n"
@@ -86,17 +89,9 @@ struct Options {
 
 SystemConfig readConfig(const Arguments& arguments) {
   SystemConfig config;
-  if (const auto file = arguments.value("--config")) loadConfigFile(config, *file);
+  if (const auto file = arguments.value("--config")) loadSharedConfigFile(config, *file);
   applySettings(arguments, config);
   return config;
-}
-
-int printConfig(const SystemConfig& config) {
-  for (const ConfigEntry& entry : listConfig(config)) {
-    std::printf("%-45s %-14s %s%s%s\n", entry.key.c_str(), entry.value.empty() ? "\"\"" : entry.value.c_str(),
-                entry.bounds.c_str(), entry.bounds.empty() ? "" : "  ", entry.documentation.c_str());
-  }
-  return 0;
 }
 
 std::unique_ptr<FrameSource> openFolderOrBag(const Arguments& arguments) {
@@ -330,6 +325,8 @@ int main(int argc, char** argv) {
                                "--depth-topic", "--info-topic"},
                               {"--deterministic", "--realtime", "--masks", "--list-config"}, {0, 1});
     const SystemConfig config = readConfig(arguments);
-    return arguments.has("--list-config") ? printConfig(config) : run(arguments, config);
+    if (!arguments.has("--list-config")) return run(arguments, config);
+    std::fputs(describe(listConfig(config)).c_str(), stdout);
+    return 0;
   });
 }

@@ -4,10 +4,14 @@
 import os
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
 import xml.etree.ElementTree
+
+sys.path.append(os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "ros"))
+from programs import program
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 STAGES = ("motion", "tracking", "segmentation", "mapping")
@@ -84,11 +88,56 @@ class SlamLaunch(unittest.TestCase):
                                 timeout=60, env=environment)
         self.assertEqual(result.returncode, 0, result.stderr)
 
+    def test_arguments_that_nobody_gave_leave_the_configuration_file_alone(self):
+        def parameters(*arguments):
+            lines = roslaunch("--dump-params", "semantic_vslam", "slam.launch", *arguments).stdout.splitlines()
+            return {line.split(": ")[0]: line.split(": ")[1] for line in lines if line.startswith("/slam_")}
+
+        self.assertEqual({name.rsplit("/")[-1] for name in parameters()}, {"config_file", "num_worker_threads"})
+        given = parameters("sync:=exact", "map_frame:=world", "output:=/tmp/my maps", "publish_tf:=false", "queue_size:=7")
+        for stage in STAGES:
+            self.assertEqual((given[f"/slam_{stage}/input/sync"], given[f"/slam_{stage}/input/queue_size"]), ("exact", "7"))
+        for stage in ("tracking", "mapping"):
+            self.assertEqual(given[f"/slam_{stage}/frames/map_frame"], "world")
+            self.assertEqual(given[f"/slam_{stage}/output_directory"], "/tmp/my maps")
+        self.assertEqual(given["/slam_tracking/frames/publish_tf"], "false")
+
     def test_no_node_ends_the_others(self):
         for name in os.listdir(os.path.join(ROOT, "launch")):
             root = xml.etree.ElementTree.parse(os.path.join(ROOT, "launch", name)).getroot()
             for node in root.iter("node"):
                 self.assertIsNone(node.get("required"), f"{name}: {node.get('name')}")
+
+
+class NodePrograms(unittest.TestCase):
+    """Each tells of its keys, without a ROS master."""
+
+    def ask(self, stage, *arguments):
+        return subprocess.run([program(stage + "_node"), *arguments], capture_output=True, text=True, timeout=30,
+                              env={**os.environ, "ROS_MASTER_URI": "http://localhost:1"})
+
+    def test_list_their_keys(self):
+        own = {"motion": "motion.model", "tracking": "frames.tf_wait_s", "segmentation": "segmentation.threads",
+               "mapping": "labels_wait_s"}
+        for stage in STAGES:
+            result = self.ask(stage, "--list-config")
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
+            keys = {line.split()[0]: line for line in result.stdout.splitlines()}
+            self.assertIn(own[stage], keys)
+            self.assertRegex(keys["input.max_interval_s"], r" 0\.02 +\[0, 0\.1\]  s between colour and depth")
+            self.assertEqual({name for name in own.values() if name in keys}, {own[stage]})
+
+    def test_help(self):
+        for stage in STAGES:
+            result = self.ask(stage, "--help")
+            self.assertEqual(result.returncode, 0)
+            self.assertIn(f"usage: {stage}_node", result.stdout)
+            self.assertIn("--list-config", result.stdout)
+
+    def test_refuse_options_that_they_do_not_have(self):
+        result = self.ask("motion", "--list-confg")
+        self.assertEqual((result.returncode, result.stdout), (2, ""))
+        self.assertIn("--list-confg", result.stderr)
 
 
 class Respawn(unittest.TestCase):

@@ -129,6 +129,16 @@ class FaultsTest(unittest.TestCase):
             file.flush()
             self.check_refused_start("motion_node", ["__name:=e", "_config_file:=" + file.name], "motoin")
 
+    def test_one_file_serves_all_nodes_and_parameters_hold_over_it(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
+            file.write("input: {silent_after_s: 0.5, queue_size: 9}\npeople.keep_s: 2\nlabels_wait_s: 4\nframes.tf_wait_s: 0.1\n")
+            file.flush()
+            for name in ("motion_node", "tracking_node", "mapping_node"):
+                with Node(name, "__name:=shared_" + name, "_config_file:=" + file.name, "_input/queue_size:=3") as node:
+                    node.wait_for_line("WARN", "no message yet on")
+                    self.assertEqual(len(node.lines_with("WARN", file.name, "input.queue_size: 9", "'3'")), 1)
+                    self.assertEqual(len(node.lines_with(file.name)), 1)
+
     def test_odometry_frame_without_base_frame_is_refused(self):
         self.check_refused_start("tracking_node", ["__name:=f", "_frames/odom_frame:=odom"], "base_frame")
 

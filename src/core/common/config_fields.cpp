@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iomanip>
+#include <numeric>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -20,6 +23,42 @@ namespace {
 /// Old name, present name: files written for an earlier version are refused with a word on how to mend them.
 const std::array<std::pair<std::string, std::string>, 2> kRenamedGroups{
     {{"mapping", "sparse_map"}, {"local_ba", "bundle_adjustment"}}};
+
+std::string leafOf(const std::string& key) { return key.substr(key.rfind('.') + 1); }
+
+/// Letters that differ between two words (Levenshtein's distance).
+std::size_t distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row.back();
+}
+
+/// @return the keys of the same last name, nearest first; else those that a slip of the pen leads to; else ""
+std::string suggestion(const std::string& key, const std::vector<ConfigEntry>& known) {
+  constexpr std::size_t kSlip = 3, kMost = 3;
+  std::set<std::pair<std::size_t, std::string>> same, near;
+  for (const ConfigEntry& entry : known) {
+    const std::size_t letters = distance(entry.key, key);
+    if (leafOf(entry.key) == leafOf(key)) same.emplace(letters, entry.key);
+    const std::size_t of_leaf = distance(leafOf(entry.key), leafOf(key));
+    // A third of the word may be wrong at most: short words are all alike.
+    if (std::min(letters, of_leaf) <= std::min(kSlip, leafOf(key).size() / 3)) near.emplace(letters, entry.key);
+  }
+  std::string hint;
+  std::size_t named = 0;
+  for (const auto& [letters, name] : same.empty() ? near : same) {
+    if (++named <= kMost) hint += (hint.empty() ? "" : ", ") + name;
+  }
+  return hint;
+}
 
 }  // namespace
 
@@ -75,17 +114,14 @@ bool parseBool(const std::string& key, const std::string& text) {
 }
 
 void throwUnknownKey(const std::string& key, const std::vector<ConfigEntry>& known) {
-  const std::string leaf = key.substr(key.rfind('.') + 1), group = key.substr(0, key.find('.'));
+  const std::string group = key.substr(0, key.find('.'));
   for (const auto& [old_name, name] : kRenamedGroups) {
     if (group != old_name) continue;
     throw ConfigError("configuration key '" + key + "' is now '" + name + key.substr(group.size()) + "'");
   }
-  std::string hint;
-  for (const auto& entry : known) {
-    if (entry.key.substr(entry.key.rfind('.') + 1) == leaf) hint += (hint.empty() ? "" : ", ") + entry.key;
-  }
+  const std::string hint = suggestion(key, known);
   throw ConfigError("unknown configuration key '" + key + "'" +
-                    (hint.empty() ? "; `run_offline --list-config` prints all keys" : "; did you mean " + hint + "?"));
+                    (hint.empty() ? "; --list-config prints all keys" : "; did you mean " + hint + "?"));
 }
 
 }  // namespace config_detail
@@ -107,6 +143,16 @@ void flatten(const YAML::Node& node, const std::string& prefix, const std::strin
 }
 
 }  // namespace
+
+std::string describe(const std::vector<ConfigEntry>& entries) {
+  std::ostringstream out;
+  out << std::left;
+  for (const ConfigEntry& entry : entries) {
+    out << std::setw(45) << entry.key << ' ' << std::setw(14) << (entry.value.empty() ? "\"\"" : entry.value) << ' '
+        << entry.bounds << (entry.bounds.empty() ? "" : "  ") << entry.documentation << '\n';
+  }
+  return out.str();
+}
 
 std::vector<std::pair<std::string, std::string>> readConfigFile(const std::string& path) {
   std::vector<std::pair<std::string, std::string>> values;

@@ -16,7 +16,8 @@ DenseRunner::DenseRunner(DenseStage stage, const KeyframeInputsConfig& config, s
       hooks_(std::move(hooks)),
       inputs_(config, kept_frames),
       worker_(
-          kQueue, QueuePolicy::kBlock, [this](const Task& task) { work(task); }, WorkerPriority::kKeyframes) {}
+          "slam_dense", kQueue, QueuePolicy::kBlock, [this](const Task& task) { work(task); },
+          WorkerPriority::kKeyframes) {}
 
 void DenseRunner::offer(PendingFrame frame) {
   inputs_.with([&](KeyframeInputs& inputs) { inputs.put(std::move(frame)); });

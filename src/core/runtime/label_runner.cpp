@@ -20,7 +20,8 @@ LabelRunner::LabelRunner(LabelStage stage, std::size_t kept_frames, Sink sink, s
       frames_(kept_frames),
       enabled_(stage_.enabled()),
       worker_(
-          kWaiting, QueuePolicy::kDropOldest, [this](const Job& job) { step(job); }, WorkerPriority::kKeyframes) {}
+          "slam_labels", kWaiting, QueuePolicy::kDropOldest, [this](const Job& job) { step(job); },
+          WorkerPriority::kKeyframes) {}
 
 void LabelRunner::offer(PendingFrame frame) {
   const Stamp stamp = frame.stamp;

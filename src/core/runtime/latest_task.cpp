@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "core/runtime/thread_priority.h"
+#include "core/runtime/this_thread.h"
 #include "semantic_vslam/core/common/log.h"
 
 namespace semantic_vslam {
@@ -48,6 +48,7 @@ void LatestTask::wait() {
 }
 
 void LatestTask::run() {
+  nameThread(name_);
   lowerThreadPriority();
   std::unique_lock<std::mutex> lock(mutex_);
   while (true) {

@@ -20,7 +20,8 @@ class LatestTask {
   /// @param abort  set when the task's result is no longer wanted; it should look often and return soon
   using Task = std::function<void(const std::atomic<bool>& abort)>;
 
-  LatestTask() = default;
+  /// @param name  of the thread, see nameThread()
+  explicit LatestTask(const char* name) : name_(name) {}
   ~LatestTask();  ///< aborts what is in work and waits for it
   LatestTask(const LatestTask&) = delete;
   LatestTask& operator=(const LatestTask&) = delete;
@@ -36,6 +37,7 @@ class LatestTask {
 
   void run();
 
+  const char* const name_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<Task> next_;  // guarded by mutex_

@@ -7,7 +7,8 @@ namespace semantic_vslam {
 MotionRunner::MotionRunner(MotionStage stage, std::size_t queue_size, Sink sink)
     : stage_(std::move(stage)),
       sink_(std::move(sink)),
-      worker_(queue_size, QueuePolicy::kDropOldest, [this](const PendingFrame& frame) { step(frame); }) {}
+      worker_("slam_motion", queue_size, QueuePolicy::kDropOldest, [this](const PendingFrame& frame) { step(frame); }) {
+}
 
 void MotionRunner::step(const PendingFrame& pending) {
   const StepClock clock;

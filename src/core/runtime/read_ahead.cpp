@@ -5,6 +5,8 @@
 #include <cassert>
 #include <utility>
 
+#include "core/runtime/this_thread.h"
+
 namespace semantic_vslam {
 
 ReadAhead::ReadAhead(std::unique_ptr<FrameSource> source, std::size_t frames)
@@ -31,6 +33,7 @@ std::optional<RgbdFrame> ReadAhead::next() {
 }
 
 void ReadAhead::read() {
+  nameThread("slam_read_ahead");
   while (true) {
     Item item;
     try {

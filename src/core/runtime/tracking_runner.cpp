@@ -23,12 +23,14 @@ TrackingRunner::TrackingRunner(TrackingStage stage, const TrackingWaits& waits, 
       hooks_(std::move(hooks)),
       stage_(std::move(stage)),
       pending_upkeep_(0),
+      global_adjustment_("slam_global_ba"),
       // It holds the map's lock for moments at low priority; at full priority tracking waits four times as long (95 %
       // of frames), since motion, tracking and decoding need both of two cores.
       upkeep_(
-          kKeyframeQueue, QueuePolicy::kBlock, [this](const Upkeep& upkeep) { maintain(upkeep); },
+          "slam_upkeep", kKeyframeQueue, QueuePolicy::kBlock, [this](const Upkeep& upkeep) { maintain(upkeep); },
           WorkerPriority::kKeyframes),
-      worker_(queue_size, QueuePolicy::kDropOldest, [this](const PendingFrame& frame) { step(frame); }) {}
+      worker_("slam_tracking", queue_size, QueuePolicy::kDropOldest,
+              [this](const PendingFrame& frame) { step(frame); }) {}
 
 TrackingRunner::~TrackingRunner() {
   close();

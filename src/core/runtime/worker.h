@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "core/runtime/bounded_queue.h"
-#include "core/runtime/thread_priority.h"
+#include "core/runtime/this_thread.h"
 #include "semantic_vslam/core/common/log.h"
 
 namespace semantic_vslam {
@@ -29,9 +29,14 @@ class Worker {
  public:
   using Handler = std::function<void(T)>;
 
-  /// Starts at once: construct it after everything that the handler uses.
-  Worker(std::size_t capacity, QueuePolicy policy, Handler handler, WorkerPriority priority = WorkerPriority::kFrames)
-      : queue_(capacity, policy), handler_(std::move(handler)), thread_([this, priority] { run(priority); }) {}
+  /// Starts at once: construct it after everything that the handler uses. @param name  see nameThread()
+  Worker(const char* name, std::size_t capacity, QueuePolicy policy, Handler handler,
+         WorkerPriority priority = WorkerPriority::kFrames)
+      : queue_(capacity, policy), handler_(std::move(handler)), thread_([this, name, priority] {
+          nameThread(name);
+          if (priority == WorkerPriority::kKeyframes) lowerThreadPriority();
+          run();
+        }) {}
 
   /// Drops what waits, finishes what runs.
   ~Worker() {
@@ -66,8 +71,7 @@ class Worker {
   }
 
  private:
-  void run(WorkerPriority priority) {
-    if (priority == WorkerPriority::kKeyframes) lowerThreadPriority();
+  void run() {
     while (std::optional<T> item = queue_.pop()) {
       try {
         handler_(std::move(*item));

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 
@@ -74,6 +75,22 @@ TEST(ConfigFields, RefusesByNameBoundAndValue) {
 TEST(ConfigFields, UnknownKeySuggestsTheOneOfTheSameName) {
   EXPECT_EQ(messageOf("radius_px", "2"), "unknown configuration key 'radius_px'; did you mean inner.radius_px?");
   EXPECT_NE(messageOf("nonsense", "2").find("unknown configuration key 'nonsense'"), std::string::npos);
+}
+
+TEST(ConfigFields, ASlipOfThePenSuggestsTheNearestKey) {
+  EXPECT_EQ(messageOf("cuont", "2"), "unknown configuration key 'cuont'; --list-config prints all keys")
+      << "short words are all alike";
+  EXPECT_EQ(messageOf("inner.radius_pxl", "2"),
+            "unknown configuration key 'inner.radius_pxl'; did you mean inner.radius_px?");
+  EXPECT_EQ(messageOf("inner.raduis_px", "2"),
+            "unknown configuration key 'inner.raduis_px'; did you mean inner.radius_px?");
+}
+
+TEST(ConfigFields, ATableHoldsALineForEachKey) {
+  const std::string table = describe(listConfig(Outer()));
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 5);
+  EXPECT_NE(table.find("kind                                          a              a|b  which\n"), std::string::npos);
+  EXPECT_NE(table.find("file                                          \"\"             where\n"), std::string::npos);
 }
 
 TEST(ConfigFields, ARefusedValueChangesNothing) {

@@ -57,7 +57,7 @@ TEST(LoopCloser, ANewLoopAbortsTheGlobalAdjustmentOfTheOneBeforeWhileTrackingGoe
     use();
   };
   std::atomic<int> begun{0}, aborted{0}, finished{0};
-  LatestTask global_ba;
+  LatestTask global_ba("test");
   const auto adjust = [&](const std::atomic<bool>& abort) {
     ++begun;
     closer.adjustAll(alone, abort);

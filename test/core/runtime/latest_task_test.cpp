@@ -3,6 +3,7 @@
 #include "core/runtime/latest_task.h"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <atomic>
 #include <future>
@@ -18,7 +19,7 @@ void untilAborted(const std::atomic<bool>& abort) {
 }
 
 TEST(LatestTask, WaitReturnsWhenTheTaskIsDone) {
-  LatestTask tasks;
+  LatestTask tasks("test");
   tasks.wait();
   int done = 0;
   for (int i = 0; i < 3; ++i) {
@@ -28,8 +29,16 @@ TEST(LatestTask, WaitReturnsWhenTheTaskIsDone) {
   EXPECT_EQ(done, 3);
 }
 
+TEST(LatestTask, ItsThreadHasAName) {
+  LatestTask tasks("adjustment");
+  char name[16] = "";
+  tasks.start([&](const std::atomic<bool>&) { pthread_getname_np(pthread_self(), name, sizeof(name)); });
+  tasks.wait();
+  EXPECT_STREQ(name, "adjustment");
+}
+
 TEST(LatestTask, ANewTaskAbortsTheOneInWorkAndIsNotAbortedItself) {
-  LatestTask tasks;
+  LatestTask tasks("test");
   std::promise<void> started;
   bool first_was_aborted = false, second_was_aborted = true;
   tasks.start([&](const std::atomic<bool>& abort) {
@@ -45,7 +54,7 @@ TEST(LatestTask, ANewTaskAbortsTheOneInWorkAndIsNotAbortedItself) {
 }
 
 TEST(LatestTask, OfSeveralWaitingOnlyTheNewestRuns) {
-  LatestTask tasks;
+  LatestTask tasks("test");
   std::promise<void> started, all_queued;
   std::vector<int> ran;
   tasks.start([&](const std::atomic<bool>&) {
@@ -60,14 +69,14 @@ TEST(LatestTask, OfSeveralWaitingOnlyTheNewestRuns) {
 }
 
 TEST(LatestTask, CancelAndTheDestructorEndWhatIsInWork) {
-  LatestTask cancelled;
+  LatestTask cancelled("test");
   std::atomic<int> ended{0};
   const auto task = [&](const std::atomic<bool>& abort) {
     untilAborted(abort);
     ++ended;
   };
   {
-    LatestTask destroyed;
+    LatestTask destroyed("test");
     std::promise<void> started;
     destroyed.start([&](const std::atomic<bool>& abort) {
       started.set_value();
@@ -87,7 +96,7 @@ TEST(LatestTask, CancelAndTheDestructorEndWhatIsInWork) {
 }
 
 TEST(LatestTask, AnExceptionCostsTheTaskNotTheProcess) {
-  LatestTask tasks;
+  LatestTask tasks("test");
   tasks.start([](const std::atomic<bool>&) { throw std::bad_alloc(); });
   tasks.wait();
   std::atomic<bool> ran{false};

@@ -7,8 +7,12 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <memory>
+#include <set>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -42,6 +46,28 @@ TEST(PipelineRunner, EveryFrameComesOutInOrderWhereThereIsTime) {
   ASSERT_EQ(order.size(), frames().size());
   for (std::size_t i = 0; i < order.size(); ++i) EXPECT_EQ(order[i], i);
   EXPECT_EQ(posed, frames().size() - 1) << "k1 gets its pose afterwards";
+}
+
+/// Names of this process's threads, as `top -H` shows them.
+std::set<std::string> threadNames() {
+  std::set<std::string> names;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::ifstream file(task.path() / "comm");
+    std::string name;
+    if (std::getline(file, name)) names.insert(name);
+  }
+  return names;
+}
+
+TEST(PipelineRunner, ItsThreadsHaveNames) {
+  PipelineRunner runner(sparse(), [](const RgbdFrame&, const StepResult&) {});
+  const std::set<std::string> wanted{"slam_motion", "slam_tracking", "slam_upkeep", "slam_labels", "slam_dense"};
+  const auto all = [&] {
+    const std::set<std::string> names = threadNames();
+    return std::includes(names.begin(), names.end(), wanted.begin(), wanted.end());
+  };
+  for (int i = 0; i < 1000 && !all(); ++i) std::this_thread::sleep_for(5ms);  // each thread names itself
+  EXPECT_TRUE(all()) << testing::PrintToString(threadNames());
 }
 
 TEST(PipelineRunner, WhoFallsBehindLosesTheOldestFramesThatWait) {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <atomic>
 #include <chrono>
@@ -20,7 +21,7 @@ TEST(Worker, DropsTheOldestOfWhatWaitsAndCountsIt) {
   std::promise<void> begun, release;
   std::vector<int> done;
   {
-    Worker<int> worker(2, QueuePolicy::kDropOldest, [&](int i) {
+    Worker<int> worker("test", 2, QueuePolicy::kDropOldest, [&](int i) {
       if (i == 0) {
         begun.set_value();
         release.get_future().wait();
@@ -42,7 +43,7 @@ TEST(Worker, DestructionFinishesWhatRunsAndDropsWhatWaits) {
   std::promise<void> begun;
   std::atomic<int> finished{0};
   {
-    Worker<int> worker(10, QueuePolicy::kBlock, [&](int i) {
+    Worker<int> worker("test", 10, QueuePolicy::kBlock, [&](int i) {
       if (i == 0) begun.set_value();
       std::this_thread::sleep_for(milliseconds(20));
       ++finished;
@@ -54,9 +55,18 @@ TEST(Worker, DestructionFinishesWhatRunsAndDropsWhatWaits) {
   EXPECT_LT(finished, 10);
 }
 
+TEST(Worker, ItsThreadHasAName) {
+  char name[16] = "";
+  Worker<int> worker("fifteen_letters", 1, QueuePolicy::kBlock,
+                     [&](int) { pthread_getname_np(pthread_self(), name, sizeof(name)); });
+  worker.push(0);
+  worker.finish();
+  EXPECT_STREQ(name, "fifteen_letters");
+}
+
 TEST(Worker, AnExceptionCostsTheItemNotTheThread) {
   std::vector<int> done;
-  Worker<int> worker(10, QueuePolicy::kBlock, [&](int i) {
+  Worker<int> worker("test", 10, QueuePolicy::kBlock, [&](int i) {
     if (i == 1) throw std::runtime_error("this one is broken");
     done.push_back(i);
   });

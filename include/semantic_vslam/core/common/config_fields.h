@@ -151,6 +151,9 @@ std::vector<ConfigEntry> listConfig(Config config) {
   return lister.entries;
 }
 
+/// @return the entries as a table for people to read: key, value, bounds, documentation; a line for each.
+std::string describe(const std::vector<ConfigEntry>& entries);
+
 /// Sets one key from text. @throws ConfigError naming key, bound and value if it is unknown, mistyped or out of range.
 template <class Config>
 void setConfig(Config& config, const std::string& key, const std::string& value);

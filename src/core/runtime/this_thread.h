@@ -8,4 +8,7 @@ namespace semantic_vslam {
 /// to what every frame waits for where cores are few.
 void lowerThreadPriority();
 
+/// Names the calling thread, as `top -H`, gdb and perf show it. @param name  15 letters at most
+void nameThread(const char* name);
+
 }  // namespace semantic_vslam

@@ -217,7 +217,7 @@ class Observer:
         from semantic_vslam.msg import TrackingReport
         self.state = None
         self.state_names = {getattr(TrackingReport, name): name
-                            for name in ("INITIALISING", "OK", "RECENTLY_LOST", "LOST")}
+                            for name in ("INITIALISING", "OK", "RECENTLY_LOST", "LOST", "WAITING", "PAUSED")}
         rospy.Subscriber("/tracking/state", TrackingReport, self.on_state, queue_size=1)
 
     def on_state(self, message):
@@ -264,7 +264,8 @@ class Results:
         with rosbag.Bag(path) as bag:
             for topic, message, _ in bag.read_messages():
                 if topic == "/tracking/state":
-                    self.states.append(message)
+                    if message.state not in (message.WAITING, message.PAUSED):  # of a frame
+                        self.states.append(message)
                 elif topic == "/motion/report":
                     self.motion_ms.append(message.cpu_ms)
                 elif topic == "/motion/mask":

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "core/pipeline/sparse_slam.h"
 #include "core/runtime/tracking_runner.h"
 #include "ros/conversions.h"
 #include "ros/motion_input.h"
@@ -17,6 +18,7 @@
 #include "ros/sparse_map_files.h"
 #include "ros/stage_nodelet.h"
 #include "ros/tracking_publisher.h"
+#include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
 
@@ -30,6 +32,7 @@ class TrackingTopics {
   TrackingRunner::Hooks hooks();
   Running running();
   void offerServices();
+  std::string localizeOnly(bool on);
   PendingFrame withBody(PendingFrame frame);
   void describe(StageDiagnostics::Status& status);
 
@@ -59,6 +62,8 @@ TrackingTopics::TrackingTopics(const NodeletHandles& node)
       inputs_(node) {
   files_.begin(config_.folders.map);
   offerServices();
+  publisher_.tellIdle(false);
+  inputs_.every(0.5, [this] { publisher_.tellIdle(paused_); });
   inputs_.everyWaiting(1.0, [this] { files_.keepForRecovery(); });
   takeMotion(inputs_, [this](Stamp stamp, const MotionResult& motion) { runner_.take(stamp, motion); });
   inputs_.topic<sensor_msgs::Image>("segmentation/labels", 2,
@@ -108,21 +113,42 @@ PendingFrame TrackingTopics::withBody(PendingFrame frame) {
 
 void TrackingTopics::offerServices() {
   inputs_.trigger("reset", [this] {
+    if (runner_.localizationOnly()) {
+      throw Error("localization_only is on, in which no map is made or dropped; call it with false first");
+    }
     runner_.change([](TrackingStage& stage) { stage.reset(); });
     files_.forget();
-    return std::string("map and trajectory are dropped");
+    return std::string("map and trajectory are dropped; the next frames begin a new map");
   });
   inputs_.trigger("save_map", [this] { return files_.saveMap(); });
   inputs_.trigger("load_map", [this] { return files_.loadMap(); });
   inputs_.trigger("save_trajectory", [this] { return files_.saveTrajectory(); });
-  inputs_.onOff("pause", [this](bool on) { paused_ = on; });
-  inputs_.onOff("localization_only", [this](bool on) { runner_.setLocalizationOnly(on); });
+  inputs_.onOff("pause", [this](bool on) {
+    paused_ = on;
+    publisher_.tellIdle(on);
+    return std::string(on ? "paused: images are passed over until pause is called with false; the map stays"
+                          : "running: the next images are tracked");
+  });
+  inputs_.onOff("localization_only", [this](bool on) { return localizeOnly(on); });
+}
+
+std::string TrackingTopics::localizeOnly(bool on) {
+  std::size_t keyframes = 0;
+  runner_.read([&](const TrackingStage& stage) { keyframes = stage.slam().keyframeCount(); });
+  if (on && keyframes == 0) {
+    throw Error("there is no map to localise in; load one with load_map, or map first. Mapping goes on");
+  }
+  runner_.setLocalizationOnly(on);
+  const std::string map = "the map of " + std::to_string(keyframes) + " keyframes";
+  return on ? "localisation only: " + map + " is read and stays as it is" : "mapping: " + map + " grows and changes";
 }
 
 void TrackingTopics::describe(StageDiagnostics::Status& status) {
   const TrackingRunner::Counts counts = runner_.counts();
   publisher_.report(diagnostics_, status);
+  if (paused_ && status.level == diagnostic_msgs::DiagnosticStatus::OK) status.message = "paused";
   status.add("paused", paused_.load());
+  status.add("localisation only", runner_.localizationOnly());
   status.add("frames without mask", counts.without_mask);
   diagnostics_.addFault(status, "frames skipped as motion did", counts.skipped_with_motion);
   diagnostics_.addFault(status, "frames that waited for labels", counts.waited_for_labels);

@@ -32,9 +32,26 @@ std::optional<DenseMapContent> DenseMapFiles::find(std::uint32_t map_id) const {
 
 std::string DenseMapFiles::save(DenseStage& stage) const {
   stage.map().finish();
-  stage.save(output_ + kDenseFile);
+  const std::size_t kept = stage.map().keyframes() > 0 ? keyframesOfLargerMap(stage) : 0;
+  if (kept == 0) stage.save(output_ + kDenseFile);
   stage.map().saveForOthers(output_);
-  return "map.dense, cloud.pcd, mesh.ply, map.ot, map.bt, grid.pgm and grid.yaml saved in " + output_;
+  const std::string for_others = "cloud.pcd, mesh.ply, map.ot, map.bt, grid.pgm and grid.yaml saved in " + output_;
+  if (kept == 0) return "map.dense, " + for_others;
+  return for_others + ", but not map.dense: the one there is another map, of " + std::to_string(kept) +
+         " keyframes, and this one has " + std::to_string(stage.map().keyframes());
+}
+
+/// @return keyframes of map.dense, if it is another map than this one, and larger; else 0
+std::size_t DenseMapFiles::keyframesOfLargerMap(const DenseStage& stage) const {
+  const std::string path = output_ + kDenseFile;
+  if (access(path.c_str(), F_OK) != 0) return 0;
+  try {
+    const DenseMapContent there = readDenseMap(path);
+    return !stage.isOfMap(there.map_id) && there.keyframes.size() > stage.map().keyframes() ? there.keyframes.size()
+                                                                                            : 0;
+  } catch (const FileError&) {
+    return 0;  // no map: nothing is lost
+  }
 }
 
 void DenseMapFiles::saveWithSparse(DenseStage& stage) const {

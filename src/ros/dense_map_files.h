@@ -23,13 +23,16 @@ class DenseMapFiles {
 
   /// @return the map that was saved with the sparse one of this id, or was left by this node when it was killed
   std::optional<DenseMapContent> find(std::uint32_t map_id) const;
-  /// map.dense, and the files of DenseMapper::saveForOthers().  @return what was done  @throws FileError
+  /// map.dense, unless another map that is larger lies there, and the files of DenseMapper::saveForOthers().
+  /// @return what was done  @throws FileError
   std::string save(DenseStage& stage) const;
   /// map.dense alone, which is loaded with the sparse map that was saved just now.
   void saveWithSparse(DenseStage& stage) const;
   void keepForRecovery(DenseStage& stage);
 
  private:
+  std::size_t keyframesOfLargerMap(const DenseStage& stage) const;
+
   const std::string output_, loaded_;
   Recovery recovery_;
 };

@@ -19,8 +19,9 @@ void NodeInputs::trigger(const std::string& name, std::function<std::string()> a
                               [action = std::move(action)](auto&, auto& response) { response.message = action(); });
 }
 
-void NodeInputs::onOff(const std::string& name, std::function<void(bool)> action) {
-  answered<std_srvs::SetBool>(name, [action = std::move(action)](auto& request, auto&) { action(request.data); });
+void NodeInputs::onOff(const std::string& name, std::function<std::string(bool)> action) {
+  answered<std_srvs::SetBool>(
+      name, [action = std::move(action)](auto& request, auto& response) { response.message = action(request.data); });
 }
 
 template <class Service, class Answer>

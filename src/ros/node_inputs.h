@@ -49,7 +49,7 @@ class NodeInputs {
   /// becomes the answer `success: false` with its message.
   void trigger(const std::string& name, std::function<std::string()> action);
   /// std_srvs/SetBool likewise.
-  void onOff(const std::string& name, std::function<void(bool)> action);
+  void onOff(const std::string& name, std::function<std::string(bool)> action);
   /// Any service below the nodelet's name. @param answer  of (request, response); may wait; what it throws is logged,
   /// and the call fails.
   template <class Service, class Answer>

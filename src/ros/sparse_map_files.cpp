@@ -4,6 +4,7 @@
 
 #include <ros/console.h>
 #include <std_msgs/UInt32.h>
+#include <unistd.h>
 
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "core/io/trajectory.h"
+#include "core/map/map_file.h"
 #include "core/pipeline/sparse_slam.h"
 #include "semantic_vslam/core/common/error.h"
 
@@ -50,8 +52,28 @@ Map SparseMapFiles::copyMap() const {
   return map;
 }
 
+/// A larger map may be the work of an hour, and is not written over by one that was begun since. Later states of the
+/// same map are, also where upkeep has made it smaller.
+void SparseMapFiles::refuseToLose(const std::string& path, const Map& map) const {
+  if (map.keyframes().empty() || access(path.c_str(), F_OK) != 0) return;
+  Map there;
+  try {
+    semantic_vslam::loadMap(path, there);
+  } catch (const FileError&) {
+    return;  // no map: nothing is lost
+  }
+  const std::uint32_t id = there.origin().map_id;
+  std::uint32_t loaded = 0;
+  runner_.read([&](const TrackingStage& stage) { loaded = stage.loadedFrom(); });
+  if (id == map.origin().map_id || id == loaded || there.keyframes().size() <= map.keyframes().size()) return;
+  throw Error(path + " is another map, of " + std::to_string(there.keyframes().size()) +
+              " keyframes, and is kept; this one has " + std::to_string(map.keyframes().size()) +
+              ". Move that file and map.dense away to save this one, or load_map to go on in it");
+}
+
 std::string SparseMapFiles::saveMap() const {
   const Map map = copyMap();
+  refuseToLose(output_ + kMapFile, map);
   const std::size_t keyframes = SparseSlam::saveMap(output_ + kMapFile, map);
   std_msgs::UInt32 saved;
   saved.data = map.origin().map_id;

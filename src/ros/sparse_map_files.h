@@ -22,7 +22,8 @@ class SparseMapFiles {
 
   /// Takes up the map that this node had when it was killed, else the one in `folder`, if one is named.
   void begin(const std::string& folder);
-  /// Has mapping save what belongs to the map, too.  @return what was done  @throws Error
+  /// Has mapping save what belongs to the map, too.  @return what was done  @throws Error, also where the file is
+  /// another map that is larger: it is kept
   std::string saveMap() const;
   std::string loadMap() const;
   /// As TUM has it: stamp in s, position in m and quaternion of the optical frame in the map.
@@ -34,6 +35,7 @@ class SparseMapFiles {
 
  private:
   Map copyMap() const;
+  void refuseToLose(const std::string& path, const Map& map) const;
   std::string load(const std::string& path) const;
   bool goOn() const;
 

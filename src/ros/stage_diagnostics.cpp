@@ -67,7 +67,7 @@ void StageDiagnostics::fill(Status& status) {
     if (steps_ > 0) status.addf("age of newest", "%.3f s", ros::Time::now().toSec() - newest_.seconds());
   }
   const ros::SteadyTime now = ros::SteadyTime::now();
-  status.summary(DiagnosticStatus::OK, "running");
+  status.summary(DiagnosticStatus::OK, wall_ms.empty() ? "waiting" : "running");
   status.addf("rate", "%.1f Hz", static_cast<double>(wall_ms.size()) / (now - last_report_).toSec());
   last_report_ = now;
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "ros/conversions.h"
+#include "semantic_vslam/core/common/log.h"
 
 namespace semantic_vslam {
 namespace {
@@ -29,6 +30,11 @@ SE3 transformOf(const InitialPoseConfig& pose) {
                                       Eigen::AngleAxisd(pose.roll, Eigen::Vector3d::UnitX());
   return makeSE3(rotation, Eigen::Vector3d(pose.x, pose.y, pose.z));
 }
+
+// Longer than any frame takes on a machine that keeps up.
+const ros::WallDuration kIdleAfter(1.0);
+
+bool isIdle(std::uint8_t state) { return state == TrackingReport::WAITING || state == TrackingReport::PAUSED; }
 
 /// Mean velocity since the last tracked frame, in the body's axes.
 geometry_msgs::TwistWithCovariance bodyVelocity(const TrackingEstimate& tracking, const SE3& T_camera_body) {
@@ -61,7 +67,7 @@ TrackingPublisher::TrackingPublisher(ros::NodeHandle nh, const FramesConfig& fra
   odometry_ = nh.advertise<nav_msgs::Odometry>("tracking/odometry", 30);
   pose_ = nh.advertise<geometry_msgs::PoseWithCovarianceStamped>("tracking/pose", 30);
   path_ = nh.advertise<nav_msgs::Path>("tracking/path", 1, true);
-  state_ = nh.advertise<TrackingReport>("tracking/state", 30);
+  state_ = nh.advertise<TrackingReport>("tracking/state", 30, true);
   keyframe_ = nh.advertise<KeyframeStamped>("tracking/keyframe", 30);
   keyframe_poses_ = nh.advertise<KeyframePoseArray>("tracking/keyframe_poses", 1, true);
   points_ = nh.advertise<sensor_msgs::PointCloud2>("tracking/points", 1);
@@ -115,6 +121,7 @@ void TrackingPublisher::publish(const TrackingInput& input, const TrackingOutput
   publishKeyframes(image, output);
   if (!output.path.empty()) publishPath(image, output.path);
   publishState(image, input, output, time);
+  if (const auto line = sight_.next(input.frame.stamp, output)) log(line->level, line->text);
   if (waited) publishMap(*waited);
   if (state == TrackingState::kOk) {
     people_.publish(image, input.frame, input.motion.dynamic,
@@ -175,6 +182,7 @@ void TrackingPublisher::publishMap(const MapSnapshot& map) {
     if (T_map_world_) T_map_world = *T_map_world_;
     newest_.keyframes = static_cast<std::uint32_t>(map.keyframes());
     newest_.landmarks = static_cast<std::uint32_t>(map.landmarks);
+    if (isIdle(newest_.state)) publishIdle(newest_.state);
     loops_ = map.loops;
     message.header.stamp = map.keyframes() > 0 ? toRos(newest_image_) : ros::Time();
   }
@@ -231,16 +239,38 @@ void TrackingPublisher::publishState(const std_msgs::Header& image, const Tracki
     message.in_keyframe = toPose(output.place->T_keyframe_camera);
   }
   message.cpu_ms = static_cast<float>(time.cpu_ms);
+  const std::lock_guard<std::mutex> lock(mutex_);
   state_.publish(message);
-  std::lock_guard<std::mutex> lock(mutex_);
+  last_frame_ = ros::SteadyTime::now();
   ++(message.state == TrackingReport::OK || message.state == TrackingReport::RECENTLY_LOST ? posed_ : lost_);
+  newest_ = std::move(message);
+}
+
+void TrackingPublisher::tellIdle(bool paused) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::uint8_t idle = paused ? TrackingReport::PAUSED : TrackingReport::WAITING;
+  const bool goes_on = !isIdle(newest_.state) && ros::SteadyTime::now() - last_frame_ < kIdleAfter;
+  if (newest_.state != idle && (paused || !goes_on)) publishIdle(idle);
+}
+
+/// Call with mutex_ held.
+void TrackingPublisher::publishIdle(std::uint8_t state) {
+  TrackingReport message;
+  message.header.stamp = ros::Time::now();
+  message.header.frame_id = newest_.header.frame_id;
+  message.state = state;
+  message.keyframes = newest_.keyframes;
+  message.landmarks = newest_.landmarks;
+  message.camera.orientation.w = 1.0;
+  state_.publish(message);
   newest_ = std::move(message);
 }
 
 void TrackingPublisher::report(StageDiagnostics& diagnostics, StageDiagnostics::Status& status) const {
   {
     std::lock_guard<std::mutex> lock(mutex_);
-    status.add("state", stateName(static_cast<TrackingState>(newest_.state)));
+    status.add("state", isIdle(newest_.state) ? newest_.state == TrackingReport::PAUSED ? "PAUSED" : "WAITING"
+                                              : stateName(static_cast<TrackingState>(newest_.state)));
     status.add("inliers", newest_.inliers);
     status.add("keyframes", newest_.keyframes);
     status.add("landmarks", newest_.landmarks);

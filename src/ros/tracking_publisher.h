@@ -18,6 +18,7 @@
 #include "core/runtime/step_clock.h"
 #include "ros/node_configs.h"
 #include "ros/people_publisher.h"
+#include "ros/sight_log.h"
 #include "ros/stage_diagnostics.h"
 #include "ros/tf_publisher.h"
 
@@ -41,6 +42,8 @@ class TrackingPublisher {
   void publish(const TrackingInput& input, const TrackingOutput& output, StepTime time);
   /// Publishes keyframes that are new or have moved, unless their map was left. From any thread.
   void publishMap(const MapSnapshot& map);
+  /// To be called now and then, and when `paused` changes: says so once if it is, or if no frame is tracked any more.
+  void tellIdle(bool paused);
   /// The next map lies so, or as the present one does, not so that its first frame is at the initial pose.
   void anchorNextMap(const std::optional<SE3>& T_map_world);
   /// Where the present map's world lies in the map frame; nothing before its first frame.
@@ -58,6 +61,7 @@ class TrackingPublisher {
   void publishPath(const std_msgs::Header& image, std::vector<TimedPose> path);
   void publishState(const std_msgs::Header& image, const TrackingInput& input, const TrackingOutput& output,
                     StepTime time);
+  void publishIdle(std::uint8_t state);
 
   const FramesConfig frames_;
   const InitialPoseConfig initial_pose_;
@@ -68,6 +72,7 @@ class TrackingPublisher {
   BodyTransforms body_;
   SE3 frame_T_map_world_ = SE3::Identity();
   Stamp last_path_;
+  SightLog sight_;
 
   mutable std::mutex mutex_;  // held for moments; guards these
   std::uint32_t map_id_;
@@ -75,6 +80,7 @@ class TrackingPublisher {
   std::optional<MapSnapshot> not_anchored_;  ///< to be published when the map has its place
   Stamp newest_image_;
   TrackingReport newest_;
+  ros::SteadyTime last_frame_;
   std::size_t posed_ = 0, lost_ = 0, loops_ = 0;
 
   std::mutex map_mutex_;   // taken before mutex_

@@ -34,7 +34,7 @@ class PipelineTest(unittest.TestCase):
         cls.subscribers = [
             rospy.Subscriber("tracking/keyframe_poses", KeyframePoseArray,
                              lambda message: cls.adjusted.update(keyframe.id for keyframe in message.keyframes)),
-            rospy.Subscriber("tracking/state", TrackingReport, cls.keep, callback_args=cls.states, queue_size=500),
+            rospy.Subscriber("tracking/state", TrackingReport, cls.keep_state, queue_size=500),
             rospy.Subscriber("tracking/keyframe", KeyframeStamped, cls.keep, callback_args=cls.keyframes, queue_size=500),
             rospy.Subscriber("mapping/removed", Image, cls.keep, callback_args=cls.removed, queue_size=500)]
         cls.publishers = {topic: rospy.Publisher(topic, kind, queue_size=10)
@@ -47,6 +47,11 @@ class PipelineTest(unittest.TestCase):
         cls.out = tempfile.mkdtemp(dir=".")
         subprocess.check_call([program("run_offline"), cls.bag, "--out", cls.out, "--masks", "--frames", str(cls.frames),
                                "--set", "segmentation.model=" + rospy.get_param("~model")])
+
+    @classmethod
+    def keep_state(cls, message):
+        if message.state not in (TrackingReport.WAITING, TrackingReport.PAUSED):  # those are of no frame
+            cls.keep(message, cls.states)
 
     @classmethod
     def conversions(cls):

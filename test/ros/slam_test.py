@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: 2026 The semantic_vslam authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Plays a small rendered recording with walking people through the running system and checks what comes out."""
+import collections
 import os
 import subprocess
 import time
@@ -20,6 +21,7 @@ from nav_msgs.srv import GetMap
 from octomap_msgs.msg import Octomap
 from octomap_msgs.srv import BoundingBoxQuery, GetOctomap
 from programs import program
+from rosgraph_msgs.msg import Log
 from semantic_vslam.msg import KeyframePoseArray, KeyframeStamped, MotionReport, MoverArray, ObjectArray, TrackingReport
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from std_srvs.srv import Empty, SetBool, Trigger
@@ -109,16 +111,20 @@ class Recording:
 
 class Listener:
     def __init__(self):
-        self.states, self.poses, self.transforms, self.masks = [], {}, {}, {}
+        self.states, self.idle, self.poses, self.transforms, self.masks = [], [], {}, {}, {}
+        self.log = []
+        self.health = collections.defaultdict(list)  # stage -> messages of the diagnostics
         self.keyframes, self.newest, self.odometry, self.motion, self.people = [], {}, [], [], []
         self.subscribers = [
-            rospy.Subscriber("tracking/state", TrackingReport, self.states.append, queue_size=500),
+            rospy.Subscriber("tracking/state", TrackingReport, self.on_state, queue_size=500),
             rospy.Subscriber("tracking/pose", PoseWithCovarianceStamped, self.on_pose, queue_size=500),
             rospy.Subscriber("tracking/keyframe", KeyframeStamped, self.keyframes.append, queue_size=500),
             rospy.Subscriber("tracking/odometry", Odometry, self.odometry.append, queue_size=500),
             rospy.Subscriber("motion/report", MotionReport, self.motion.append, queue_size=500),
             rospy.Subscriber("people", MoverArray, self.people.append, queue_size=500),
             rospy.Subscriber("motion/mask", Image, self.on_mask, queue_size=500),
+            rospy.Subscriber("/diagnostics", DiagnosticArray, self.on_diagnostics, queue_size=500),
+            rospy.Subscriber("/rosout", Log, lambda message: self.log.append(message.msg), queue_size=500),
             rospy.Subscriber("/tf", TFMessage, self.on_tf, queue_size=500)]
         for topic, kind in (("tracking/keyframe_poses", KeyframePoseArray), ("mapping/semantic_cloud", PointCloud2),
                             ("mapping/octomap_binary", Octomap), ("mapping/octomap_full", Octomap),
@@ -136,6 +142,14 @@ class Listener:
 
     def wait_for_tracking(self):
         wait_until(lambda: self.states and self.states[-1].state == TrackingReport.OK, 20, "tracking")
+
+    def on_state(self, message):
+        """Reports of frames, and those that say that there are none."""
+        (self.idle if message.state in (TrackingReport.WAITING, TrackingReport.PAUSED) else self.states).append(message)
+
+    def on_diagnostics(self, message):
+        for status in message.status:
+            self.health[status.name.split()[-1]].append(status.message)
 
     def on_pose(self, message):
         pose = message.pose.pose
@@ -201,6 +215,10 @@ class SlamTest(unittest.TestCase):
         estimate = numpy.array([self.camera_pose(stamp)[:3, 3] for stamp in posed])
         truth = numpy.array([self.recording.poses[stamp][:3, 3] for stamp in posed])
         self.assertLess(aligned_error_m(estimate, truth), 0.03)
+
+    def test_1_the_beginning_is_in_the_log_and_the_end_in_the_state(self):
+        self.assertEqual([line for line in self.seen.log if "tracking begins" in line or "lost its place" in line], ["tracking begins in a new map"])
+        self.assertEqual(self.state_for_who_comes_now(), TrackingReport.WAITING)
 
     def test_2_first_camera_is_level_and_its_body_at_the_initial_pose(self):
         first = min(self.seen.poses)
@@ -345,6 +363,9 @@ class SlamTest(unittest.TestCase):
         self.check_clearing()
 
     def check_saving(self):
+        for name in ("map.slam", "map.dense"):  # of an earlier test
+            if os.path.exists(os.path.join(rospkg.get_ros_home(), name)):
+                os.remove(os.path.join(rospkg.get_ros_home(), name))
         for name in ("/slam_tracking/save_trajectory", "/slam_tracking/save_map", "/slam_mapping/save"):
             answer = rospy.ServiceProxy(name, Trigger)()
             self.assertTrue(answer.success, answer.message)
@@ -378,11 +399,18 @@ class SlamTest(unittest.TestCase):
 
     def check_pause(self):
         """Also shows that a clock that goes back is taken for a new recording."""
-        self.assertTrue(rospy.ServiceProxy("/slam_tracking/pause", SetBool)(True).success)
+        answer = rospy.ServiceProxy("/slam_tracking/pause", SetBool)(True)
+        self.assertTrue(answer.success)
+        self.assertIn("paused", answer.message)
+        wait_until(lambda: self.seen.idle[-1].state == TrackingReport.PAUSED, 5, "a report of the pause")
+        self.assertGreater(self.seen.idle[-1].keyframes, 0)
+        self.assertEqual(self.state_for_who_comes_now(), TrackingReport.PAUSED)
         before = len(self.seen.states)
         play(self.recording.path, "--duration", "1")
         self.assertEqual(len(self.seen.states), before)
-        self.assertTrue(rospy.ServiceProxy("/slam_tracking/pause", SetBool)(False).success)
+        self.assertTrue(any("paused" == message for message in self.seen.health["tracking"]), self.seen.health["tracking"])
+        self.assertIn("running", rospy.ServiceProxy("/slam_tracking/pause", SetBool)(False).message)
+        wait_until(lambda: self.seen.idle[-1].state == TrackingReport.WAITING, 5, "a report of waiting")
         map_id = self.seen.newest["tracking/keyframe_poses"].map_id
         self.seen.states.clear()
         play(self.recording.path, "--duration", "2")
@@ -392,15 +420,30 @@ class SlamTest(unittest.TestCase):
     def check_reset(self):
         map_id = self.seen.newest["tracking/keyframe_poses"].map_id
         self.assertTrue(rospy.ServiceProxy("/slam_tracking/reset", Trigger)().success)
+        wait_until(lambda: self.seen.idle[-1].keyframes == 0, 5, "a report of the empty map")
+        answer = rospy.ServiceProxy("/slam_tracking/localization_only", SetBool)(True)
+        self.assertFalse(answer.success)
+        self.assertIn("no map to localise in", answer.message)
         self.check_that_nothing_is_saved("/slam_tracking/save_map", "map.slam")
         self.seen.states.clear()
         play(self.recording.path, "--start", "2", "--duration", "1")
         wait_until(lambda: self.seen.newest["tracking/keyframe_poses"].map_id != map_id, 20, "a new map after reset")
         self.seen.wait_for_tracking()
+        # The map of a third of the recording does not take the place of that of all of it.
+        self.check_that_nothing_is_saved("/slam_tracking/save_map", "map.slam", "is another map")
+        before = self.file_state("map.dense")
+        save = rospy.ServiceProxy("/slam_mapping/save", Trigger)
+        wait_until(lambda: "but not map.dense" in save().message, 20, "the first keyframe in the dense map, which is not saved")
+        self.assertEqual(self.file_state("map.dense"), before)
 
     def check_loading(self):
         """The camera finds itself in the saved map, which stays as it is."""
-        self.assertTrue(rospy.ServiceProxy("/slam_tracking/localization_only", SetBool)(True).success)
+        answer = rospy.ServiceProxy("/slam_tracking/localization_only", SetBool)(True)
+        self.assertTrue(answer.success)
+        self.assertIn("stays as it is", answer.message)
+        answer = rospy.ServiceProxy("/slam_tracking/reset", Trigger)()
+        self.assertFalse(answer.success)
+        self.assertIn("localization_only is on", answer.message)
         answer = rospy.ServiceProxy("/slam_tracking/load_map", Trigger)()
         self.assertTrue(answer.success, answer.message)
         self.seen.states.clear()
@@ -410,18 +453,28 @@ class SlamTest(unittest.TestCase):
         self.seen.states.clear()
         play(self.recording.path, "--duration", "2")  # the clock goes back: the map that was loaded stays all the same
         self.seen.wait_for_tracking()
+        self.assertTrue(any("found its place in the map of" in line and "by relocalisation" in line for line in self.seen.log), self.seen.log)
         self.assertEqual(self.seen.keyframes, [])
         self.assertEqual(len({state.keyframes for state in self.seen.states}), 1)
         self.assertGreater(len(self.seen.newest["tracking/keyframe_poses"].keyframes), 1)
 
-    def check_that_nothing_is_saved(self, service, name):
-        """An empty map does not take the place of the file of a good one."""
-        path = os.path.join(rospkg.get_ros_home(), name)
-        before = os.stat(path)
+    @staticmethod
+    def state_for_who_comes_now():
+        return int(subprocess.check_output(["rostopic", "echo", "-n1", "tracking/state/state"], text=True, timeout=30).split()[0])
+
+    @staticmethod
+    def file_state(name):
+        """Another one when the file is written."""
+        status = os.stat(os.path.join(rospkg.get_ros_home(), name))
+        return status.st_ino, status.st_size, status.st_mtime_ns
+
+    def check_that_nothing_is_saved(self, service, name, why="not touched"):
+        """An empty or smaller map does not take the place of the file of a good one."""
+        before = self.file_state(name)
         answer = rospy.ServiceProxy(service, Trigger)()
         self.assertFalse(answer.success, answer.message)
-        self.assertIn("not touched", answer.message)
-        self.assertEqual(os.stat(path), before)
+        self.assertIn(why, answer.message)
+        self.assertEqual(self.file_state(name), before)
 
     def heights(self):
         """Of the map's points, metres."""

@@ -167,6 +167,10 @@ void DenseStage::save(const std::string& path) const {
   writeTextAtomically(path, serializeDenseMap(inside_->mapper->content(inside_->map_id.value_or(0))));
 }
 
+bool DenseStage::isOfMap(std::uint32_t map_id) const {
+  return map_id == inside_->map_id || (inside_->origin != 0 && map_id == inside_->origin);
+}
+
 DenseMapper& DenseStage::map() { return *inside_->mapper; }
 const DenseMapper& DenseStage::map() const { return *inside_->mapper; }
 const LabelSet& DenseStage::labels() const { return inside_->label_set; }

@@ -47,6 +47,8 @@ class DenseStage {
   /// Writes all that the map is made from, whole or not at all; `saved` is to find it again.
   /// @throws Error if it is empty: the file stays as it is  @throws FileError
   void save(const std::string& path) const;
+  /// Whether a saved map of this id is an earlier state of the present one.
+  bool isOfMap(std::uint32_t map_id) const;
 
   DenseMapper& map();
   const DenseMapper& map() const;

@@ -160,6 +160,7 @@ void SparseSlam::startAt(const RelocalisationResult& place, const TrackedFrame& 
   result.state = TrackingState::kOk;
   result.T_camera_world = place.T_camera_world;
   result.covariance = place.covariance;
+  result.relocalised = true;
   result.last_step.reset();  // it led elsewhere, if there was one
   result.reference = place.keyframe;
   result.matches = result.inliers = place.inliers;

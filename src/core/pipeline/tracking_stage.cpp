@@ -169,6 +169,8 @@ Map TrackingStage::copyMap() const {
   return map;
 }
 
+std::uint32_t TrackingStage::loadedFrom() const { return inside_->origin; }
+
 bool TrackingStage::hasMap() const { return inside_->slam.keyframeCount() > 0; }
 
 std::shared_ptr<const MapSnapshot> TrackingStage::snapshot() {

@@ -97,6 +97,8 @@ class TrackingStage {
   /// Takes it in the place of the present one; frames find their place in it by relocalisation.
   void loadMap(SavedMap& saved);
   bool hasMap() const;
+  /// @return map_id that the map had when it was saved; 0 if it was not loaded
+  std::uint32_t loadedFrom() const;
   /// For saving: its origin is the map_id there is.
   Map copyMap() const;
   /// The map as it stands; the same object as before where nothing has changed.

@@ -9,7 +9,6 @@
 #include <string>
 #include <utility>
 
-#include "core/pipeline/sparse_slam.h"
 #include "core/runtime/tracking_runner.h"
 #include "ros/conversions.h"
 #include "ros/motion_input.h"
@@ -32,7 +31,6 @@ class TrackingTopics {
   TrackingRunner::Hooks hooks();
   Running running();
   void offerServices();
-  std::string localizeOnly(bool on);
   PendingFrame withBody(PendingFrame frame);
   void describe(StageDiagnostics::Status& status);
 
@@ -60,7 +58,7 @@ TrackingTopics::TrackingTopics(const NodeletHandles& node)
               config_.input.queue_size, hooks()),
       files_(node, config_.folders.output_directory, runner_, publisher_),
       inputs_(node) {
-  files_.begin(config_.folders.map);
+  files_.begin(config_.folders.map, config_.localization_only);
   offerServices();
   publisher_.tellIdle(false);
   inputs_.every(0.5, [this] { publisher_.tellIdle(paused_); });
@@ -129,18 +127,7 @@ void TrackingTopics::offerServices() {
     return std::string(on ? "paused: images are passed over until pause is called with false; the map stays"
                           : "running: the next images are tracked");
   });
-  inputs_.onOff("localization_only", [this](bool on) { return localizeOnly(on); });
-}
-
-std::string TrackingTopics::localizeOnly(bool on) {
-  std::size_t keyframes = 0;
-  runner_.read([&](const TrackingStage& stage) { keyframes = stage.slam().keyframeCount(); });
-  if (on && keyframes == 0) {
-    throw Error("there is no map to localise in; load one with load_map, or map first. Mapping goes on");
-  }
-  runner_.setLocalizationOnly(on);
-  const std::string map = "the map of " + std::to_string(keyframes) + " keyframes";
-  return on ? "localisation only: " + map + " is read and stays as it is" : "mapping: " + map + " grows and changes";
+  inputs_.onOff("localization_only", [this](bool on) { return files_.localizeOnly(on); });
 }
 
 void TrackingTopics::describe(StageDiagnostics::Status& status) {

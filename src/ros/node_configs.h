@@ -135,6 +135,7 @@ struct MotionNodeConfig {
 struct TrackingNodeConfig {
   double budget_ms = 33.0;
   double path_period_s = 0.5;
+  bool localization_only = false;
   FoldersConfig folders;
   TrackingWaits waits;
   RgbdInputConfig input;
@@ -149,6 +150,10 @@ struct TrackingNodeConfig {
     v.field("budget_ms.tracking", budget_ms, 1.0, 10000.0,
             "ms a frame may take before the diagnostics warn; 33 keeps 30 Hz");
     v.field("path_period_s", path_period_s, 0.05, 60.0, "s between publications of the path");
+    v.flag("localization_only", localization_only,
+           "true: begins in localisation only, in the map of the key map, which is read and stays as it is; the "
+           "service of "
+           "this name ends it");
     folders.visit(v);
     waits.visit(v);
     v.group("input", input);

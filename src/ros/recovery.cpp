@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 
 #include "semantic_vslam/core/common/error.h"
 
@@ -75,6 +76,20 @@ void Recovery::forget() {
   std::error_code error;
   fs::remove(path_, error);
   kept_ = 0;
+}
+
+void Recovery::leaveWord(const std::string& word, bool left) const {
+  std::error_code error;
+  if (left) {
+    std::ofstream(path_ + "." + word);
+  } else {
+    fs::remove(path_ + "." + word, error);
+  }
+}
+
+bool Recovery::hasWord(const std::string& word) const {
+  std::error_code error;
+  return restarted_ && fs::exists(path_ + "." + word, error);
 }
 
 std::string expandHome(const std::string& path) {

@@ -28,6 +28,10 @@ class Recovery {
   void forget();
   /// The same, but for what a killed node left: it may not have been taken up yet.
   void forgetOwn();
+  /// A word for the node that takes the place of this one when it is killed, or that it is not left any more.
+  void leaveWord(const std::string& word, bool left) const;
+  /// @return whether the killed node left it
+  bool hasWord(const std::string& word) const;
 
  private:
   std::mutex mutex_;

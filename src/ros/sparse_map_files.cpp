@@ -18,6 +18,7 @@
 
 namespace semantic_vslam {
 
+constexpr const char* kLocalizationOnly = "localization_only";
 constexpr const char *kMapFile = "/map.slam", *kTrajectoryFile = "/trajectory.txt";
 
 SparseMapFiles::SparseMapFiles(const NodeletHandles& node, const std::string& output_directory, TrackingRunner& runner,
@@ -28,8 +29,11 @@ SparseMapFiles::SparseMapFiles(const NodeletHandles& node, const std::string& ou
       recovery_(node.private_nh, "map.slam"),
       map_saved_(node.nh.advertise<std_msgs::UInt32>("tracking/map_saved", 1)) {}
 
-void SparseMapFiles::begin(const std::string& folder) {
-  if (!goOn() && !folder.empty()) ROS_INFO("%s", load(expandHome(folder) + kMapFile).c_str());
+void SparseMapFiles::begin(const std::string& folder, bool localize_only) {
+  if (goOn()) return;
+  recovery_.leaveWord(kLocalizationOnly, false);
+  if (!folder.empty()) ROS_INFO("%s", load(expandHome(folder) + kMapFile).c_str());
+  if (localize_only) ROS_INFO("%s", localizeOnly(true).c_str());
 }
 
 bool SparseMapFiles::goOn() const {
@@ -37,6 +41,7 @@ bool SparseMapFiles::goOn() const {
   if (!left) return false;
   try {
     ROS_INFO("going on after a restart: %s", load(*left).c_str());
+    if (recovery_.hasWord(kLocalizationOnly)) ROS_INFO("%s", localizeOnly(true).c_str());
   } catch (const FileError& error) {
     ROS_ERROR("the map from before the restart is lost: %s", error.what());
     return false;
@@ -91,6 +96,18 @@ std::string SparseMapFiles::load(const std::string& path) const {
     stage.loadMap(*saved);
   });
   return "map of " + std::to_string(keyframes) + " keyframes loaded from " + path;
+}
+
+std::string SparseMapFiles::localizeOnly(bool on) const {
+  std::size_t keyframes = 0;
+  runner_.read([&](const TrackingStage& stage) { keyframes = stage.slam().keyframeCount(); });
+  if (on && keyframes == 0) {
+    throw Error("there is no map to localise in; load one (load_map, or map:=DIR at the start), or map first");
+  }
+  runner_.setLocalizationOnly(on);
+  recovery_.leaveWord(kLocalizationOnly, on);
+  const std::string map = "the map of " + std::to_string(keyframes) + " keyframes";
+  return on ? "localisation only: " + map + " is read and stays as it is" : "mapping: " + map + " grows and changes";
 }
 
 std::string SparseMapFiles::saveTrajectory() const {

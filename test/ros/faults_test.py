@@ -139,6 +139,9 @@ class FaultsTest(unittest.TestCase):
                     self.assertEqual(len(node.lines_with("WARN", file.name, "input.queue_size: 9", "'3'")), 1)
                     self.assertEqual(len(node.lines_with(file.name)), 1)
 
+    def test_localisation_only_needs_a_map(self):
+        self.check_refused_start("tracking_node", ["__name:=lone", "_localization_only:=true"], "no map to localise in", "map:=DIR")
+
     def test_odometry_frame_without_base_frame_is_refused(self):
         self.check_refused_start("tracking_node", ["__name:=f", "_frames/odom_frame:=odom"], "base_frame")
 

@@ -219,6 +219,8 @@ class SlamTest(unittest.TestCase):
     def test_1_the_beginning_is_in_the_log_and_the_end_in_the_state(self):
         self.assertEqual([line for line in self.seen.log if "tracking begins" in line or "lost its place" in line], ["tracking begins in a new map"])
         self.assertEqual(self.state_for_who_comes_now(), TrackingReport.WAITING)
+        for stage in ("tracking", "motion"):
+            self.assertTrue({"running", "waiting"} <= set(self.seen.health[stage]), self.seen.health[stage])
 
     def test_2_first_camera_is_level_and_its_body_at_the_initial_pose(self):
         first = min(self.seen.poses)

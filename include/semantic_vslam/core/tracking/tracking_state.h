@@ -32,7 +32,7 @@ struct TrackingEstimate {
   SE3 T_camera_world = SE3::Identity();        ///< valid in kOk; a prediction in kRecentlyLost
   Matrix6d covariance = Matrix6d::Identity();  ///< of the left perturbation of T_camera_world (m, rad)
   std::optional<CameraStep> last_step;         ///< measured; nothing for a frame that was predicted or relocalised
-  bool relocalised = false;  ///< the place was recognised, without the frame before
+  bool relocalised = false;                    ///< the place was recognised, without the frame before
   int features = 0;
   int matches = 0;
   int inliers = 0;

@@ -40,6 +40,7 @@ class Kidnap {
       const SparseStep step = slam_.step(frame, {}, times_, localization_only_);
       state = step.tracking.state;
       new_worlds_ += step.new_world ? 1 : 0;
+      relocalised_ += step.tracking.relocalised ? 1 : 0;
     }
     return state;
   }
@@ -49,6 +50,7 @@ class Kidnap {
     slam_.startTimeAnew();
   }
   void setLocalizationOnly(bool on) { localization_only_ = on; }
+  int relocalised() const { return relocalised_; }
   int newWorlds() const { return new_worlds_; }
   SparseSlam& slam() { return slam_; }
   double error_m() const { return absoluteTrajectoryError(truth_, slam_.trajectory()).translation_m.max; }
@@ -67,7 +69,7 @@ class Kidnap {
   StageTimes times_;
   SparseSlam slam_;
   std::uint64_t index_ = 0;
-  int new_worlds_ = 0;
+  int new_worlds_ = 0, relocalised_ = 0;
   bool localization_only_ = false;
   std::vector<TimedPose> truth_;
 };
@@ -166,6 +168,7 @@ TEST(NewMap, IsNotNeededWhenTheClockIsSetBack) {
   EXPECT_EQ(kidnap.turn(1.0, 0.5), TrackingState::kOk) << "found in the map, which stays";
   EXPECT_GE(kidnap.slam().keyframePoses().size(), keyframes);
   EXPECT_LE(kidnap.slam().trajectory().size(), 16U);
+  EXPECT_EQ(kidnap.relocalised(), 1) << "only the frame that was recognised is said to be";
 }
 
 }  // namespace

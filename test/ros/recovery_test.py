@@ -33,8 +33,17 @@ class RecoveryTest(unittest.TestCase):
         cls.first = Listener()
         play(cls.recording.path)
         cls.first.wait_for_cloud(1000)
-        time.sleep(4.0)  # the last keyframe on its way into the map, and all of it to where it is kept
+        time.sleep(4.0)  # the last keyframe on its way into the map
+        cls.wait_until_kept()
         cls.keyframes, cls.points = cls.sizes()
+
+    @classmethod
+    def wait_until_kept(cls):
+        """Until what was shown last is written: on a busy machine that rests for longer, as it took longer."""
+        kept = os.path.join(rospkg.get_ros_home(), "semantic_vslam", "slam_mapping", "map.dense")
+        deadline = time.monotonic() + 20
+        while time.monotonic() < deadline and os.path.getmtime(kept) < cls.first.arrived["mapping/semantic_cloud"]:
+            time.sleep(0.2)
 
     @classmethod
     def sizes(cls):

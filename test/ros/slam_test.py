@@ -112,7 +112,7 @@ class Recording:
 class Listener:
     def __init__(self):
         self.states, self.idle, self.poses, self.transforms, self.masks = [], [], {}, {}, {}
-        self.log = []
+        self.log, self.arrived = [], {}  # topic -> when its newest message came, s
         self.health = collections.defaultdict(list)  # stage -> messages of the diagnostics
         self.keyframes, self.newest, self.odometry, self.motion, self.people = [], {}, [], [], []
         self.subscribers = [
@@ -133,7 +133,7 @@ class Listener:
             self.subscribers.append(rospy.Subscriber(topic, kind, self.keep, callback_args=topic, queue_size=1))
 
     def keep(self, message, topic):
-        self.newest[topic] = message
+        self.newest[topic], self.arrived[topic] = message, time.time()
 
     def wait_for_cloud(self, least_points):
         """An empty one is sent to whoever subscribes."""

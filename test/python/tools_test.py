@@ -306,6 +306,9 @@ class ToolsTest(unittest.TestCase):
         run("tum_to_bag", self.sequence, truncated, "--frames", 5)
         with open(truncated, "r+b") as file:
             file.truncate(os.path.getsize(truncated) // 2)
+        misspelt = self.out("misspelt.yaml")
+        with open(misspelt, "w") as file:
+            file.write("people.keep_s: 2\ninput.max_intervall_s: 0.03\n")  # the first is a node's
         cases = (
             ((truncated,), "truncated.bag"),
             (("/nonexistent",), "/nonexistent"),
@@ -313,6 +316,7 @@ class ToolsTest(unittest.TestCase):
             ((self.sequence, "--set", "motion.model=magic"), "motion.model"),
             ((self.sequence, "--set", "segmentation.model=/nonexistent.onnx"), "/nonexistent.onnx"),
             ((self.sequence, "--config", "/nonexistent.yaml"), "/nonexistent.yaml"),
+            ((self.sequence, "--config", misspelt), "input.max_interval_s"),
             ((self.sequence, "--start", "999"), "999"),
             ((self.sequence, "--typo"), "--typo"),
         )

@@ -428,10 +428,11 @@ class SlamTest(unittest.TestCase):
         self.assertIn("no map to localise in", answer.message)
         self.check_that_nothing_is_saved("/slam_tracking/save_map", "map.slam")
         self.seen.states.clear()
-        play(self.recording.path, "--start", "2", "--duration", "1")
+        self.assertTrue(rospy.ServiceProxy("/slam_mapping/clear", Trigger)().success)
+        play(self.recording.path, "--start", "2", "--duration", "0.4")
         wait_until(lambda: self.seen.newest["tracking/keyframe_poses"].map_id != map_id, 20, "a new map after reset")
         self.seen.wait_for_tracking()
-        # The map of a third of the recording does not take the place of that of all of it.
+        # The map of a tenth of the recording does not take the place of that of all of it.
         self.check_that_nothing_is_saved("/slam_tracking/save_map", "map.slam", "is another map")
         before = self.file_state("map.dense")
         save = rospy.ServiceProxy("/slam_mapping/save", Trigger)

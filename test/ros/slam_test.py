@@ -492,8 +492,8 @@ class SlamTest(unittest.TestCase):
         grid = rospy.ServiceProxy("/slam_mapping/static_map", GetMap)().map
         self.assertEqual((round(grid.info.resolution, 6), grid.header.frame_id), (0.06, "map"))
         self.assertGreater(sum(cell == 100 for cell in grid.data), 20)
-        centres = rospy.wait_for_message("mapping/octomap_point_cloud_centers", PointCloud2, 20)
-        cubes = {state: rospy.wait_for_message(f"mapping/{state}_cells_vis_array", MarkerArray, 20).markers
+        centres = rospy.wait_for_message("mapping/octomap_point_cloud_centers", PointCloud2, 60)
+        cubes = {state: rospy.wait_for_message(f"mapping/{state}_cells_vis_array", MarkerArray, 60).markers
                  for state in ("occupied", "free")}
         self.assertEqual(sum(len(marker.points) for marker in cubes["occupied"]), centres.width)
         self.assertGreater(sum(len(marker.points) for marker in cubes["free"]), 1000)

@@ -6,7 +6,7 @@ namespace semantic_vslam {
 
 bool keyframeIsDue(const KeyframeEvidence& e, const KeyframePolicyConfig& config) {
   constexpr int kMinimumTracked = 15;  // with fewer the pose is too weak to add anything to the map
-  if (e.tracked < kMinimumTracked || e.sigma_m > config.max_sigma_m) return false;
+  if (e.tracked < kMinimumTracked) return false;
   const bool starving = e.close_tracked < config.min_close_tracked && e.close_new > config.min_close_new;
   const bool fading = e.tracked < config.min_tracked && e.all_new > config.min_close_new &&
                       e.frames_since_keyframe >= config.min_gap_frames;

@@ -19,7 +19,6 @@ struct KeyframeEvidence {
   int close_tracked = 0;  ///< close static features with a landmark
   int close_new = 0;      ///< close static features without
   int all_new = 0;        ///< static features with depth and without a landmark, at any distance
-  double sigma_m = 0.0;   ///< standard deviation of the camera's position, worst axis, metres
   bool mapper_idle = true;
 };
 

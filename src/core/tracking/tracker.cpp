@@ -3,7 +3,6 @@
 #include "core/tracking/tracker.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "semantic_vslam/core/common/config_fields.h"
@@ -49,7 +48,7 @@ TrackingResult Tracker::track(TrackedFrame frame, const Map& map, bool mapper_id
   result.matches = estimate.matches;
   result.inliers = estimate.inliers;
   most_tracked_ = std::max(most_tracked_, estimate.inliers);
-  result.keyframe_is_due = keyframeIsDue(map, frame, estimate, mapper_idle);
+  result.keyframe_is_due = keyframeIsDue(map, frame, estimate.inliers, mapper_idle);
   const auto frames_between = static_cast<double>(frame.index - last_->index);
   const SE3 T_current_last = frame.T_camera_world * last_->T_camera_world.inverse();
   velocity_ = interpolate(SE3::Identity(), T_current_last, 1.0 / std::max(1.0, frames_between));
@@ -120,13 +119,11 @@ TrackingResult Tracker::trackingFailed(TrackedFrame& frame) {
   return result;
 }
 
-bool Tracker::keyframeIsDue(const Map& map, const TrackedFrame& frame, const PoseEstimate& estimate,
-                            bool mapper_idle) const {
+bool Tracker::keyframeIsDue(const Map& map, const TrackedFrame& frame, int inliers, bool mapper_idle) const {
   if (!map.keyframe(reference_)) return true;
   KeyframeEvidence evidence;
   evidence.frames_since_keyframe = static_cast<int>(frame.index - last_keyframe_index_);
-  evidence.tracked = estimate.inliers;
-  evidence.sigma_m = std::sqrt(estimate.covariance.diagonal().head<3>().maxCoeff());
+  evidence.tracked = inliers;
   evidence.most_tracked = most_tracked_;
   evidence.mapper_idle = mapper_idle;
   countClose(frame, config_.frame.sensor.closeM(), evidence);

@@ -63,7 +63,7 @@ class Tracker {
   PoseEstimate followLastFrame(const Map& map, TrackedFrame& frame) const;
   PoseEstimate followLocalMap(const Map& map, TrackedFrame& frame, TrackingResult& result);
   TrackingResult trackingFailed(TrackedFrame& frame);
-  bool keyframeIsDue(const Map& map, const TrackedFrame& frame, const PoseEstimate& estimate, bool mapper_idle) const;
+  bool keyframeIsDue(const Map& map, const TrackedFrame& frame, int inliers, bool mapper_idle) const;
 
   TrackerConfig config_;
   OrbExtractor orb_;

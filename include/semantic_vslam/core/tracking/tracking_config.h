@@ -64,7 +64,6 @@ struct KeyframePolicyConfig {
   int min_close_tracked = 100;
   int min_close_new = 70;
   int min_tracked = 100;
-  double max_sigma_m = 0.02;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -83,11 +82,6 @@ struct KeyframePolicyConfig {
         "min_tracked", min_tracked, 0, 1000,
         "fewer tracked landmarks than this, with min_close_new features at hand that have depth but no landmark, need "
         "a keyframe too, however far they are: through a doorway there may be nothing close");
-    v.field(
-        "max_sigma_m", max_sigma_m, 0.001, 1.0,
-        "standard deviation of the camera's position, each axis, up to which a frame may become a keyframe. People "
-        "who cover the view leave less sure poses, and what such a keyframe adds would hold the camera there. As for "
-        "a place that is recognised (relocalisation)");
   }
 };
 

@@ -11,6 +11,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "core/motion/flow_colour.h"
+#include "core/motion/mask_picture.h"
 #include "core/runtime/motion_runner.h"
 #include "ros/conversions.h"
 #include "ros/node_configs.h"
@@ -20,8 +21,9 @@
 
 namespace semantic_vslam {
 
-/// Images -> motion/mask (mono8, probability 0..255 that a pixel is on a moving object), motion/flow_image when
-/// watched, motion/report. Labels and keyframe poses, late as they are, count from the next frame on.
+/// Images -> motion/mask (mono8, probability 0..255 that a pixel is on a moving object), motion/report, and when
+/// watched motion/overlay and motion/flow_image. Labels and keyframe poses, late as they are, count from the next frame
+/// on.
 class MotionTopics {
  public:
   explicit MotionTopics(const NodeletHandles& node);
@@ -31,7 +33,7 @@ class MotionTopics {
   void describe(StageDiagnostics::Status& status);
 
   const MotionNodeConfig config_;
-  ros::Publisher mask_, flow_, report_;
+  ros::Publisher mask_, overlay_, flow_, report_;
   StageDiagnostics diagnostics_;
   std::mutex mutex_;
   MotionReport newest_;  // guarded by mutex_
@@ -43,6 +45,7 @@ class MotionTopics {
 MotionTopics::MotionTopics(const NodeletHandles& node)
     : config_(loadParameters<MotionNodeConfig>(node.private_nh)),
       mask_(node.nh.advertise<sensor_msgs::Image>("motion/mask", 5)),
+      overlay_(node.nh.advertise<sensor_msgs::Image>("motion/overlay", 1)),
       flow_(node.nh.advertise<sensor_msgs::Image>("motion/flow_image", 1)),
       report_(node.nh.advertise<MotionReport>("motion/report", 30)),
       diagnostics_(node, "motion", config_.budget_ms),
@@ -74,6 +77,9 @@ void MotionTopics::publish(const RgbdFrame& frame, const MotionResult& motion, S
   report->cpu_ms = static_cast<float>(time.cpu_ms);
   report_.publish(report);
   mask_.publish(toRos(header, "mono8", motion.dynamic));
+  if (overlay_.getNumSubscribers() > 0) {
+    overlay_.publish(toRos(header, "bgr8", maskPicture(frame.bgr, motion.dynamic)));
+  }
   if (flow_.getNumSubscribers() > 0 && !motion.flow_px.empty()) {
     flow_.publish(toRos(header, "bgr8", flowPicture(motion.flow_px)));
   }

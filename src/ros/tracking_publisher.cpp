@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "ros/conversions.h"
+#include "ros/tracking_markers.h"
 #include "semantic_vslam/core/common/log.h"
 
 namespace semantic_vslam {
@@ -35,6 +36,11 @@ SE3 transformOf(const InitialPoseConfig& pose) {
 const ros::WallDuration kIdleAfter(1.0);
 
 bool isIdle(std::uint8_t state) { return state == TrackingReport::WAITING || state == TrackingReport::PAUSED; }
+
+std::string nameOf(std::uint8_t state) {
+  if (state == TrackingReport::WAITING) return "WAITING";
+  return state == TrackingReport::PAUSED ? "PAUSED" : stateName(static_cast<TrackingState>(state));
+}
 
 /// Mean velocity since the last tracked frame, in the body's axes.
 geometry_msgs::TwistWithCovariance bodyVelocity(const TrackingEstimate& tracking, const SE3& T_camera_body) {
@@ -70,6 +76,8 @@ TrackingPublisher::TrackingPublisher(ros::NodeHandle nh, const FramesConfig& fra
   state_ = nh.advertise<TrackingReport>("tracking/state", 30, true);
   keyframe_ = nh.advertise<KeyframeStamped>("tracking/keyframe", 30);
   keyframe_poses_ = nh.advertise<KeyframePoseArray>("tracking/keyframe_poses", 1, true);
+  keyframe_arrows_ = nh.advertise<geometry_msgs::PoseArray>("tracking/keyframe_arrows", 1, true);
+  state_marker_ = nh.advertise<visualization_msgs::Marker>("tracking/state_marker", 1);
   points_ = nh.advertise<sensor_msgs::PointCloud2>("tracking/points", 1);
 }
 
@@ -200,6 +208,7 @@ void TrackingPublisher::publishMap(const MapSnapshot& map) {
     message.keyframes.back().placed = false;
   }
   keyframe_poses_.publish(message);
+  keyframe_arrows_.publish(toPoseArray(message));
 }
 
 void TrackingPublisher::publishPath(const std_msgs::Header& image, std::vector<TimedPose> poses) {
@@ -240,10 +249,20 @@ void TrackingPublisher::publishState(const std_msgs::Header& image, const Tracki
   }
   message.cpu_ms = static_cast<float>(time.cpu_ms);
   const std::lock_guard<std::mutex> lock(mutex_);
-  state_.publish(message);
   last_frame_ = ros::SteadyTime::now();
-  ++(message.state == TrackingReport::OK || message.state == TrackingReport::RECENTLY_LOST ? posed_ : lost_);
-  newest_ = std::move(message);
+  const bool posed = message.state == TrackingReport::OK || message.state == TrackingReport::RECENTLY_LOST;
+  ++(posed ? posed_ : lost_);
+  if (posed) newest_place_ = message.camera.position;
+  tell(std::move(message));
+}
+
+/// Call with mutex_ held.
+void TrackingPublisher::tell(TrackingReport report) {
+  state_.publish(report);
+  if (state_marker_.getNumSubscribers() > 0) {
+    state_marker_.publish(toMarker(report, nameOf(report.state), newest_place_, frames_.map_frame));
+  }
+  newest_ = std::move(report);
 }
 
 void TrackingPublisher::tellIdle(bool paused) {
@@ -262,15 +281,13 @@ void TrackingPublisher::publishIdle(std::uint8_t state) {
   message.keyframes = newest_.keyframes;
   message.landmarks = newest_.landmarks;
   message.camera.orientation.w = 1.0;
-  state_.publish(message);
-  newest_ = std::move(message);
+  tell(std::move(message));
 }
 
 void TrackingPublisher::report(StageDiagnostics& diagnostics, StageDiagnostics::Status& status) const {
   {
     std::lock_guard<std::mutex> lock(mutex_);
-    status.add("state", isIdle(newest_.state) ? newest_.state == TrackingReport::PAUSED ? "PAUSED" : "WAITING"
-                                              : stateName(static_cast<TrackingState>(newest_.state)));
+    status.add("state", nameOf(newest_.state));
     status.add("inliers", newest_.inliers);
     status.add("keyframes", newest_.keyframes);
     status.add("landmarks", newest_.landmarks);

@@ -62,6 +62,7 @@ class TrackingPublisher {
   void publishState(const std_msgs::Header& image, const TrackingInput& input, const TrackingOutput& output,
                     StepTime time);
   void publishIdle(std::uint8_t state);
+  void tell(TrackingReport report);
 
   const FramesConfig frames_;
   const InitialPoseConfig initial_pose_;
@@ -80,12 +81,13 @@ class TrackingPublisher {
   std::optional<MapSnapshot> not_anchored_;  ///< to be published when the map has its place
   Stamp newest_image_;
   TrackingReport newest_;
+  geometry_msgs::Point newest_place_;  ///< of the camera, in the map
   ros::SteadyTime last_frame_;
   std::size_t posed_ = 0, lost_ = 0, loops_ = 0;
 
   std::mutex map_mutex_;   // taken before mutex_
   MapSnapshot published_;  // guarded by map_mutex_; without poses
-  ros::Publisher odometry_, pose_, path_, state_, keyframe_, keyframe_poses_, points_;
+  ros::Publisher odometry_, pose_, path_, state_, keyframe_, keyframe_poses_, keyframe_arrows_, state_marker_, points_;
 };
 
 }  // namespace semantic_vslam

@@ -120,6 +120,7 @@ void MappingTopics::describe(StageDiagnostics::Status& status) {
   diagnostics_.addFault(status, "keyframes without images", counts.without_images);
   status.add("keyframes without mask", counts.without_mask);
   status.add("keyframes left out for want of labels", counts.unlabelled);
+  status.add("keyframes left out since nobody can tell what moves", counts.untold);
   publisher_.report(status);
   if (runner_.waiting() > DenseRunner::kQueue / 2) {
     status.mergeSummaryf(diagnostic_msgs::DiagnosticStatus::WARN, "%zu keyframes wait to be mapped", runner_.waiting());

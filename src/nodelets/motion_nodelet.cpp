@@ -91,6 +91,8 @@ void MotionTopics::publish(const RgbdFrame& frame, const MotionResult& motion, S
 void MotionTopics::describe(StageDiagnostics::Status& status) {
   status.add("label images used", runner_.labelsTaken());
   status.add("label images too late", runner_.labelsTooLate());
+  diagnostics_.addFault(status, "frames too far apart to tell motion", runner_.framesFarApart(),
+                        "more than 0.5 s after the one before by their stamps");
   const std::lock_guard<std::mutex> lock(mutex_);
   status.add("model", motionModelName(static_cast<MotionModel>(newest_.model)));
   status.add("inliers", newest_.inliers);

@@ -139,7 +139,7 @@ void TrackingTopics::describe(StageDiagnostics::Status& status) {
   status.add("frames without mask", counts.without_mask);
   diagnostics_.addFault(status, "frames skipped as motion did", counts.skipped_with_motion);
   diagnostics_.addFault(status, "frames that waited for labels", counts.waited_for_labels);
-  diagnostics_.addFault(status, "frames older than the one before", counts.out_of_order);
+  diagnostics_.addFault(status, "frames out of order by their stamps", counts.out_of_order);
   for (const StageSummary& stage : runner_.times().summarize()) {
     status.addf("cpu median of " + stage.stage, "%.1f ms", stage.cpu.median_ms);
   }

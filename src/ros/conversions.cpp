@@ -305,6 +305,7 @@ MapSnapshot fromRos(const KeyframePoseArray& message) {
 MotionResult fromRos(const MotionReportConstPtr& report) {
   MotionResult motion;
   motion.model = static_cast<MotionModel>(report->model);
+  motion.told = report->told != 0;
   motion.inliers = static_cast<int>(report->inliers);
   motion.dynamic_share = report->dynamic_share;
   if (!report->labels.isZero()) motion.labels = fromRos(report->labels);
@@ -319,6 +320,7 @@ MotionReport toRos(const std_msgs::Header& header, const MotionResult& motion) {
   MotionReport report;
   report.header = header;
   report.model = static_cast<std::uint8_t>(motion.model);
+  report.told = motion.told;
   report.inliers = static_cast<std::uint32_t>(motion.inliers);
   report.dynamic_share = static_cast<float>(motion.dynamic_share);
   if (motion.labels) report.labels = toRos(*motion.labels);

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/common/stamp_order.h"
 #include "semantic_vslam/core/common/error.h"
 
 namespace semantic_vslam {
@@ -20,6 +19,9 @@ constexpr int kLeastPairingQueue = 10;
 // No camera here is faster than 60 Hz, so a stream's next image is at least this far off: the synchroniser then need
 // not wait for it to know that a pair is the best one.
 constexpr double kShortestPeriodS = 0.015;
+
+// A simulated clock that goes back by less, while images go on, was only behind them.
+constexpr double kClockDelayS = 5.0;
 
 // ros::Duration, by which the synchroniser reckons, ends at 2^31 s.
 constexpr double kLongestJumpS = 1 << 30;
@@ -95,7 +97,9 @@ void RgbdSubscriber::onImage(Stream& stream, const Image& image) {
                      "its stamp is " + std::to_string(jump_s) +
                          " s from the one before; set the driver's clock, and colour and depth by the same");
   }
-  last_stamp_ = image->header.stamp;
+  // What waits for its partner is of the stamps before: the synchroniser would hold all else back for it.
+  if (image->header.stamp < stream.newest) synchronize();
+  stream.newest = last_stamp_ = image->header.stamp;
   stream.out.add(image);
 }
 
@@ -119,7 +123,7 @@ bool RgbdSubscriber::clockWentBack(ros::Time image) {
   if (!ros::Time::isSimTime()) return false;
   const ros::Time clock = ros::Time::now();
   const double back_s = last_clock_.toSec() - clock.toSec();
-  const bool went_back = back_s > (image <= last_image_ ? 0.0 : StampOrder::kLongestDisorderS);
+  const bool went_back = back_s > (image <= last_image_ ? 0.0 : kClockDelayS);
   last_clock_ = clock;
   last_image_ = image;
   return went_back;

@@ -4,6 +4,7 @@
 
 #include <ros/console.h>
 
+#include <chrono>
 #include <cmath>
 #include <thread>
 
@@ -14,10 +15,13 @@ namespace semantic_vslam {
 namespace {
 
 constexpr std::chrono::milliseconds kPollPeriod{2};  // a fraction of what a frame takes
+// Odometry comes within tens of milliseconds; over a network or a filter within tenths of a second.
+constexpr double kOdometryBehindS = 0.5;
 
 }  // namespace
 
-TfPublisher::TfPublisher(ros::NodeHandle nh, const FramesConfig& config) : config_(config) {
+TfPublisher::TfPublisher(ros::NodeHandle nh, const FramesConfig& config)
+    : config_(config), parents_(frameName(config.map_frame)) {
   if (config_.map_frame.empty()) throw ConfigError("frames.map_frame is empty, must name the fixed frame");
   if (!config_.odom_frame.empty() && config_.base_frame.empty()) {
     throw ConfigError("frames.odom_frame is '" + config_.odom_frame +
@@ -27,56 +31,81 @@ TfPublisher::TfPublisher(ros::NodeHandle nh, const FramesConfig& config) : confi
       (!config_.odom_frame.empty() && config_.odom_frame == config_.base_frame)) {
     throw ConfigError("frames.map_frame, odom_frame and base_frame must differ (REP 105)");
   }
+  if (config_.publish_tf) {
+    const auto take = [this](const tf2_msgs::TFMessageConstPtr& message) { parents_.take(*message); };
+    tf_subscriber_ = nh.subscribe<tf2_msgs::TFMessage>("/tf", 100, take);
+    static_subscriber_ = nh.subscribe<tf2_msgs::TFMessage>("/tf_static", 100, take);
+  }
   if (config_.base_frame.empty()) return;
   buffer_ = std::make_unique<tf2_ros::Buffer>();
+  if (config_.publish_tf && !config_.odom_frame.empty()) {
+    correction_.emplace(*buffer_, config_.odom_frame, config_.base_frame);
+    tf_changes_ = buffer_->_addTransformsChangedListener([this] { onTfChange(); });
+  }
   listener_ = std::make_unique<tf2_ros::TransformListener>(*buffer_, nh);
+}
+
+TfPublisher::~TfPublisher() {
+  listener_.reset();  // ends its thread, which calls this object
+  tf_changes_.disconnect();
 }
 
 std::string TfPublisher::bodyFrame(const std_msgs::Header& image) const {
   return config_.base_frame.empty() ? frameName(image.frame_id) : config_.base_frame;
 }
 
-std::optional<BodyTransforms> TfPublisher::lookUp(const std_msgs::Header& image) {
-  const Deadline deadline =
-      std::chrono::steady_clock::now() + std::chrono::microseconds(std::lround(config_.tf_wait_s * 1e6));
-  BodyTransforms transforms;
+std::optional<SE3> TfPublisher::lookUpBody(const std_msgs::Header& image) {
   const std::string camera_frame = frameName(image.frame_id);
-  if (!config_.base_frame.empty() && config_.base_frame != camera_frame) {
-    const auto T_camera_body = find(camera_frame, config_.base_frame, image.stamp, deadline);
-    if (!T_camera_body) return std::nullopt;
-    transforms.T_camera_body = *T_camera_body;
-  }
-  if (config_.publish_tf && !config_.odom_frame.empty()) {
-    transforms.T_body_odom = find(config_.base_frame, config_.odom_frame, image.stamp, deadline);
-  }
-  return transforms;
-}
-
-void TfPublisher::publish(const std_msgs::Header& image, const SE3& T_map_body, const std::optional<SE3>& T_body_odom) {
-  if (!config_.publish_tf) return;
-  if (config_.odom_frame.empty()) {
-    send(bodyFrame(image), image.stamp, T_map_body);
-  } else if (T_body_odom) {
-    send(config_.odom_frame, image.stamp + ros::Duration(config_.tf_future_s), T_map_body * *T_body_odom);
-  }
-}
-
-/// tf2's own waiting goes by simulated time, which may stand still.
-std::optional<SE3> TfPublisher::find(const std::string& target, const std::string& source, const ros::Time& time,
-                                     Deadline deadline) {
-  while (!buffer_->canTransform(target, source, time) && std::chrono::steady_clock::now() < deadline) {
+  if (config_.base_frame.empty() || config_.base_frame == camera_frame) return SE3::Identity();
+  // tf2's own waiting goes by simulated time, which may stand still.
+  const auto deadline =
+      std::chrono::steady_clock::now() + std::chrono::microseconds(std::lround(config_.tf_wait_s * 1e6));
+  while (mount_known_ && !buffer_->canTransform(camera_frame, config_.base_frame, image.stamp) &&
+         std::chrono::steady_clock::now() < deadline) {
     std::this_thread::sleep_for(kPollPeriod);
   }
   try {
-    return fromRos(buffer_->lookupTransform(target, source, time).transform);
+    const SE3 T_camera_body =
+        fromRos(buffer_->lookupTransform(camera_frame, config_.base_frame, image.stamp).transform);
+    mount_known_ = true;
+    return T_camera_body;
   } catch (const tf2::TransformException& error) {
-    ++failed_lookups_;
-    const std::string edge = target + " -> " + source;
-    if (throttle_.passes(edge)) ROS_WARN("tf of this frame skipped: %s: %s", edge.c_str(), error.what());
-    std::lock_guard<std::mutex> lock(mutex_);
-    last_failure_ = edge + ": " + error.what();
+    mount_known_ = false;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    fail(camera_frame + " -> " + config_.base_frame, std::string(error.what()) + "; the frame is skipped");
     return std::nullopt;
   }
+}
+
+void TfPublisher::publish(const std_msgs::Header& image, const SE3& T_map_body) {
+  if (!config_.publish_tf) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!correction_) {
+    send(bodyFrame(image), image.stamp, T_map_body);
+    return;
+  }
+  if (const auto edge = correction_->add(image.stamp, T_map_body)) sendOdometry(*edge);
+  if (correction_->behindS() > kOdometryBehindS) {
+    fail(config_.odom_frame + " -> " + config_.base_frame,
+         "not there for the images' time, nor some time later; map -> odom stays as it was last");
+  }
+}
+
+/// On the listener's thread.
+void TfPublisher::onTfChange() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (const auto edge = correction_->update()) sendOdometry(*edge);
+}
+
+void TfPublisher::sendOdometry(const OdometryCorrection::Edge& edge) {
+  send(config_.odom_frame, edge.stamp + ros::Duration(config_.tf_future_s), edge.T_map_odom);
+}
+
+/// Call with mutex_ held.
+void TfPublisher::fail(const std::string& edge, const std::string& reason) {
+  ++failed_lookups_;
+  last_failure_ = edge + ": " + reason;
+  if (throttle_.passes(edge)) ROS_WARN("tf: %s", last_failure_.c_str());
 }
 
 std::string TfPublisher::lastFailure() const {
@@ -84,19 +113,28 @@ std::string TfPublisher::lastFailure() const {
   return last_failure_;
 }
 
-/// A frame has one parent in tf: who publishes another one takes it away from where it hung.
-void TfPublisher::warnOfOtherParent(const std::string& child) const {
-  std::string parent;
-  if (!buffer_ || !buffer_->_getParent(child, ros::Time(0), parent) || parent == config_.map_frame) return;
-  ROS_WARN(
-      "tf: '%s' hangs below '%s' already, and is now published below '%s': name the robot's own body as base_frame, "
-      "and its odometry as odom_frame if it has one",
-      child.c_str(), parent.c_str(), config_.map_frame.c_str());
+std::string TfPublisher::lastWithheld() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return last_withheld_;
 }
 
+/// Call with mutex_ held.
+bool TfPublisher::wouldCut(const std::string& child) {
+  const std::string parent = parents_.of(child);
+  if (parent.empty()) return false;
+  ++withheld_;
+  last_withheld_ = "'" + child + "' hangs below '" + parent +
+                   "', and would be cut from it: name the root of the robot's "
+                   "tree (its body, or the camera's own root) as base_frame, and its odometry, if any, as odom_frame";
+  if (throttle_.passes(last_withheld_)) {
+    ROS_WARN("tf: %s -> %s is not sent: %s", config_.map_frame.c_str(), child.c_str(), last_withheld_.c_str());
+  }
+  return true;
+}
+
+/// Call with mutex_ held.
 void TfPublisher::send(const std::string& child, const ros::Time& stamp, const SE3& T_map_child) {
-  if (stamp == last_sent_) return;  // tf2 warns of repeated data
-  if (sent_ == 0) warnOfOtherParent(child);
+  if (stamp == last_sent_ || wouldCut(child)) return;  // tf2 warns of repeated data
   geometry_msgs::TransformStamped message;
   message.header.stamp = stamp;
   message.header.frame_id = config_.map_frame;

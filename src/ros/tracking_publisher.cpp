@@ -82,9 +82,9 @@ TrackingPublisher::TrackingPublisher(ros::NodeHandle nh, const FramesConfig& fra
 }
 
 bool TrackingPublisher::locateBody(const RgbdFrame& frame) {
-  const std::optional<BodyTransforms> body = tf_.lookUp(headerOf(frame));
-  if (body) body_ = *body;
-  return body.has_value();
+  const std::optional<SE3> T_camera_body = tf_.lookUpBody(headerOf(frame));
+  if (T_camera_body) T_camera_body_ = *T_camera_body;
+  return T_camera_body.has_value();
 }
 
 void TrackingPublisher::anchorNextMap(const std::optional<SE3>& T_map_world) {
@@ -119,7 +119,7 @@ void TrackingPublisher::publish(const TrackingInput& input, const TrackingOutput
     newest_image_ = input.frame.stamp;
     follow(*output.map);
     // Without a base frame the body is the camera itself, level and looking forward.
-    const SE3 T_body_camera = frames_.base_frame.empty() ? bodyFromOptical() : body_.T_camera_body.inverse();
+    const SE3 T_body_camera = frames_.base_frame.empty() ? bodyFromOptical() : T_camera_body_.inverse();
     if (!T_map_world_) T_map_world_ = transformOf(initial_pose_) * T_body_camera;
     frame_T_map_world_ = *T_map_world_;
     waited.swap(not_anchored_);
@@ -139,16 +139,16 @@ void TrackingPublisher::publish(const TrackingInput& input, const TrackingOutput
 
 void TrackingPublisher::publishPose(const std_msgs::Header& image, const TrackingEstimate& tracking) {
   const SE3 T_map_camera = frame_T_map_world_ * tracking.T_camera_world.inverse();
-  const SE3 T_map_body = T_map_camera * body_.T_camera_body;
-  tf_.publish(image, T_map_body, body_.T_body_odom);
+  const SE3 T_map_body = T_map_camera * T_camera_body_;
+  tf_.publish(image, T_map_body);
 
   nav_msgs::Odometry odometry;
   odometry.header.stamp = image.stamp;
   odometry.header.frame_id = frames_.map_frame;
   odometry.child_frame_id = tf_.bodyFrame(image);
   odometry.pose.pose = toPose(T_map_body);
-  odometry.pose.covariance = bodyCovariance(tracking.covariance, T_map_camera, body_.T_camera_body);
-  odometry.twist = bodyVelocity(tracking, body_.T_camera_body);
+  odometry.pose.covariance = bodyCovariance(tracking.covariance, T_map_camera, T_camera_body_);
+  odometry.twist = bodyVelocity(tracking, T_camera_body_);
   odometry_.publish(odometry);
 
   geometry_msgs::PoseWithCovarianceStamped pose;
@@ -298,6 +298,7 @@ void TrackingPublisher::report(StageDiagnostics& diagnostics, StageDiagnostics::
   }
   status.add("transforms sent", tf_.sent());
   diagnostics.addFault(status, "transforms not found", tf_.failedLookups(), tf_.lastFailure());
+  diagnostics.addFault(status, "transforms withheld", tf_.withheld(), tf_.lastWithheld());
 }
 
 std::vector<TimedPose> TrackingPublisher::inMap(std::vector<TimedPose> poses) const {

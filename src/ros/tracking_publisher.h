@@ -70,7 +70,7 @@ class TrackingPublisher {
   TfPublisher tf_;
   PeoplePublisher people_;
   // Of tracking's thread only, at the frame in work.
-  BodyTransforms body_;
+  SE3 T_camera_body_ = SE3::Identity();
   SE3 frame_T_map_world_ = SE3::Identity();
   Stamp last_path_;
   SightLog sight_;

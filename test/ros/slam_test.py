@@ -385,7 +385,7 @@ class SlamTest(unittest.TestCase):
         def on_diagnostics(message):
             for status in message.status:
                 passed_over.extend(int(value.value) for value in status.values
-                                   if value.key == "frames older than the one before")
+                                   if value.key == "frames out of order by their stamps")
 
         diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, on_diagnostics)
         map_id = self.seen.newest["tracking/keyframe_poses"].map_id

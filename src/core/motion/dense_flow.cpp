@@ -16,7 +16,7 @@ int presetOf(const std::string& name) {
 
 }  // namespace
 
-DenseFlow::DenseFlow(const DenseFlowConfig& config) : flow_(cv::DISOpticalFlow::create(presetOf(config.preset))) {
+DenseFlow::DenseFlow(const std::string& preset) : flow_(cv::DISOpticalFlow::create(presetOf(preset))) {
   // The presets' finest level is meant for images twice as large, and would be half of what the cells can hold.
   flow_->setFinestScale(std::max(0, flow_->getFinestScale() - 1));
 }

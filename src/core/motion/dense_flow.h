@@ -4,15 +4,15 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/video/tracking.hpp>
-
-#include "semantic_vslam/core/motion/motion_config.h"
+#include <string>
 
 namespace semantic_vslam {
 
 /// Pyramidal dense optical flow between two gray images (DIS).
 class DenseFlow {
  public:
-  explicit DenseFlow(const DenseFlowConfig& config);
+  /// @param preset  of DenseFlowConfig
+  explicit DenseFlow(const std::string& preset);
 
   /// @param previous, current  8-bit gray, same size, continuous in memory
   /// @return for each pixel x of `current`, x - (its position in `previous`); px of these images.

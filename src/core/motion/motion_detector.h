@@ -24,6 +24,9 @@ namespace semantic_vslam {
 /// comes from points that were static in the first of them. Not thread-safe.
 class MotionDetector {
  public:
+  /// A longer gap than this between two frames shares too little of the image for the flow: a new start.
+  static constexpr double kLongestGapS = 0.5;
+
   /// @throws ConfigError if a value is out of range.
   explicit MotionDetector(const MotionConfig& config, const RemovalConfig& removal = {});
 
@@ -64,6 +67,8 @@ class MotionDetector {
   /// traceBack()  @param semantic  of MaskPropagation::dynamicNow()
   cv::Mat1f staticWeight(const cv::Mat2f& source, const cv::Mat1f& semantic) const;
   Estimate explainByHomography(const GridFrame& current, const cv::Mat2f& flow_cells, const cv::Mat1f& static_weight);
+  /// For the step from the previous frame to this one.
+  DenseFlow& flowFor(const GridFrame& current);
   Estimate explainByRigidFlow(const GridFrame& current, const cv::Mat2f& flow_cells, const cv::Mat2f& source,
                               const cv::Mat1f& static_weight);
   /// Labels are evidence: where keyframes have known a surface at rest for seconds they give way.
@@ -76,7 +81,7 @@ class MotionDetector {
                        const cv::Mat1f& semantic, cv::Size full_size);
 
   MotionConfig config_;
-  DenseFlow dense_flow_;
+  DenseFlow quick_flow_, slow_flow_;
   MotionMemory memory_;
   MaskPropagation propagation_;
   LabelMemory label_memory_;

@@ -25,6 +25,9 @@ KeyframeInputs::KeyframeInputs(const KeyframeInputsConfig& config, std::size_t k
 
 void KeyframeInputs::put(PendingFrame frame) {
   const Stamp stamp = frame.stamp;
+  // Stamps went back: look_period_s is counted anew.
+  if (last_ && newest_ && stamp < *newest_ && stamp < *last_) last_ = stamp;
+  newest_ = stamp;
   frames_.put(stamp, std::move(frame));
 }
 
@@ -46,6 +49,7 @@ std::optional<KeyframeInputs::Named> KeyframeInputs::look(Stamp stamp, const Run
   Named named{
       {place->keyframe, place->map_id, stamp}, frames_.find(stamp), motion_.find(stamp), place->T_keyframe_camera};
   if (!named.frame || (running.motion && !named.motion)) return std::nullopt;
+  if (running.motion && !named.motion->told && !labels_.has(stamp)) return std::nullopt;
   last_ = stamp;
   return named;
 }
@@ -74,7 +78,10 @@ std::optional<KeyframeInputs::Gathered> KeyframeInputs::gather(const Named& name
     ++counts_.unlabelled;
     return std::nullopt;
   }
-  if (running.motion && !motion && !labels) return std::nullopt;
+  if (running.motion && !labels && !(motion && motion->told)) {
+    ++counts_.untold;
+    return std::nullopt;
+  }
   return Gathered{named.keyframe, named.T_keyframe_camera, *frame, motion.value_or(MotionResult()),
                   labels.value_or(cv::Mat1b())};
 }

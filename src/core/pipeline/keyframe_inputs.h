@@ -79,7 +79,7 @@ class KeyframeInputs {
   bool hasLabels(Stamp stamp) const { return labels_.has(stamp); }
 
   struct Counts {
-    std::size_t without_images = 0, without_mask = 0, unlabelled = 0;
+    std::size_t without_images = 0, without_mask = 0, unlabelled = 0, untold = 0;
   };
   const Counts& counts() const { return counts_; }
 
@@ -89,7 +89,8 @@ class KeyframeInputs {
   StampedStore<MotionResult> motion_;
   StampedStore<cv::Mat1b> labels_;
   StampedStore<FramePlace> places_;
-  std::optional<Stamp> last_;  ///< newest frame that was taken
+  std::optional<Stamp> last_;    ///< newest frame that was taken
+  std::optional<Stamp> newest_;  ///< frame that came last
   Counts counts_;
 };
 

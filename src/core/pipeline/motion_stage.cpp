@@ -3,6 +3,7 @@
 #include "core/pipeline/motion_stage.h"
 
 #include <deque>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace semantic_vslam {
 namespace {
 
 constexpr std::size_t kMostWaiting = 10;  // label images; older ones would come too late in any case
+constexpr int kSaidFrom = 3;              // gaps in a row
 
 }  // namespace
 
@@ -35,6 +37,21 @@ struct MotionStage::Inside {
     waiting = std::move(early);
   }
 
+  /// Counts frames that are too far apart to compare them. One gap is a hiccup of the driver, more are its rate.
+  void noteGap(StampOrder::Arrival arrival, Stamp now) {
+    const double gap_s = arrival == StampOrder::Arrival::kNext && any_frame ? secondsBetween(last_stamp, now) : 0.0;
+    any_frame = true;
+    const bool far = gap_s > MotionDetector::kLongestGapS;
+    if (far) ++far_apart;
+    far_in_a_row = far ? far_in_a_row + 1 : 0;
+    if (far_in_a_row < kSaidFrom || gap_said) return;
+    gap_said = true;
+    logWarning("frames are " + std::to_string(gap_s) + " s apart by their stamps: above " +
+               std::to_string(MotionDetector::kLongestGapS) +
+               " s motion cannot be told, and without labels such frames are not mapped; give more frames a second, "
+               "and the seconds at which they were taken as their stamps");
+  }
+
   /// Tells the detector where frames stand: keyframes first, whichever came first.
   void passPosesOn() {
     if (keyframe_poses) detector.takeKeyframePoses(*keyframe_poses);
@@ -51,7 +68,9 @@ struct MotionStage::Inside {
   Stamp last_stamp;
   std::deque<FrameLabels> waiting;
   std::optional<LabelSet> label_set;
-  std::size_t taken = 0, too_late = 0;
+  std::size_t taken = 0, too_late = 0, far_apart = 0;
+  bool any_frame = false, gap_said = false;
+  int far_in_a_row = 0;
 };
 
 MotionStage::MotionStage(const MotionConfig& config, const RemovalConfig& removal, double label_delay_s)
@@ -60,10 +79,10 @@ MotionStage::~MotionStage() = default;
 MotionStage::MotionStage(MotionStage&&) noexcept = default;
 
 std::optional<MotionResult> MotionStage::step(const RgbdFrame& frame, std::uint32_t recording) {
-  const StampOrder::Arrival arrival = inside_->order.of(frame.stamp, recording);
-  if (arrival == StampOrder::Arrival::kLate) return std::nullopt;  // tracking counts and says it
+  const StampOrder::Arrival arrival = inside_->order.of(frame.stamp, recording);  // tracking says what is to be said
+  if (arrival == StampOrder::Arrival::kOutOfOrder) return std::nullopt;
+  inside_->noteGap(arrival, frame.stamp);
   if (arrival != StampOrder::Arrival::kNext) {
-    logWarning("stamps went back: motion starts anew");
     inside_->waiting.clear();  // of the stamps before
     inside_->detector.reset();
   }
@@ -95,5 +114,6 @@ void MotionStage::take(const RemovalConfig& removal) { inside_->detector.setConf
 
 std::size_t MotionStage::labelsTaken() const { return inside_->taken; }
 std::size_t MotionStage::labelsTooLate() const { return inside_->too_late; }
+std::size_t MotionStage::framesFarApart() const { return inside_->far_apart; }
 
 }  // namespace semantic_vslam

@@ -27,7 +27,7 @@ class MotionStage {
 
   /// Motion that the camera's own does not explain, and the people of labels that have come.
   /// @param recording  see StampOrder
-  /// @return nothing for a frame that is not newer than the one before it: it is passed over
+  /// @return nothing for a frame out of order: it is passed over
   std::optional<MotionResult> step(const RgbdFrame& frame, std::uint32_t recording = 0);
 
   /// Labels of a frame. Those that are faster than their frame, or than the list of classes, wait for it.
@@ -44,6 +44,8 @@ class MotionStage {
 
   std::size_t labelsTaken() const;
   std::size_t labelsTooLate() const;
+  /// Frames that came too long after the one before to tell motion between them.
+  std::size_t framesFarApart() const;
 
  private:
   struct Inside;

@@ -70,9 +70,10 @@ Pipeline::Stages::Stages(const SystemConfig& config, LabelStage labels)
 }
 
 StepResult Pipeline::Stages::step(const RgbdFrame& frame) {
+  const bool in_order = tracking_.accepts(frame.stamp, 0, false);
   std::optional<MotionResult> motion = findMotion(frame);
-  if (!motion) {
-    logWarning("frame " + std::to_string(frame.index) + " is not newer than the one before it: passed over");
+  if (!in_order || !motion) {
+    logWarning("frame " + std::to_string(frame.index) + " does not follow the one before by its stamp: passed over");
     return {};
   }
   TrackingInput input{frame, *motion, {}, labels_.enabled()};
@@ -107,7 +108,6 @@ TrackingOutput Pipeline::Stages::track(TrackingInput input) {
   input.network_runs = labels_.enabled();  // unless it failed on k1
   inputs_.put(PendingFrame{frame.stamp, 0, [frame] { return frame; }});
   inputs_.put(frame.stamp, input.motion);
-  tracking_.accepts(frame.stamp, 0, false);
   TrackingOutput output;
   {
     auto timer = times_.scope("tracking", frame.index);

@@ -71,7 +71,7 @@ TrackingStage::TrackingStage(TrackingStage&&) noexcept = default;
 bool TrackingStage::accepts(Stamp stamp, std::uint32_t recording, bool localization_only) {
   switch (inside_->order.of(stamp, recording)) {
     case StampOrder::Arrival::kNext: return true;
-    case StampOrder::Arrival::kLate: return false;
+    case StampOrder::Arrival::kOutOfOrder: return false;
     case StampOrder::Arrival::kPlayedAgain:
       if (!localization_only) {
         logWarning("the clock went back, as when a recording is played again: map and trajectory are dropped");

@@ -18,6 +18,7 @@ void MotionRunner::step(const PendingFrame& pending) {
   const std::optional<MotionResult> motion = stage_.step(*frame, pending.recording);
   labels_taken_ = stage_.labelsTaken();
   labels_too_late_ = stage_.labelsTooLate();
+  far_apart_ = stage_.framesFarApart();
   if (motion) sink_(*frame, *motion, clock.elapsed());
 }
 

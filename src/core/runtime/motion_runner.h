@@ -41,6 +41,7 @@ class MotionRunner {
   QueueCounters counters() const { return worker_.counters(); }
   std::size_t labelsTaken() const { return labels_taken_; }
   std::size_t labelsTooLate() const { return labels_too_late_; }
+  std::size_t framesFarApart() const { return far_apart_; }
 
  private:
   void step(const PendingFrame& pending);
@@ -48,7 +49,7 @@ class MotionRunner {
   MotionStage stage_;  // worker only
   const Sink sink_;
   Inbox<MotionStage> inbox_;
-  std::atomic<std::size_t> labels_taken_{0}, labels_too_late_{0};
+  std::atomic<std::size_t> labels_taken_{0}, labels_too_late_{0}, far_apart_{0};
   Worker<PendingFrame> worker_;  ///< last: starts when all else is there
 };
 

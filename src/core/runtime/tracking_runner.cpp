@@ -63,7 +63,9 @@ void TrackingRunner::step(const PendingFrame& pending) {
     accepted = stage_.accepts(pending.stamp, pending.recording, localization_only_);
   });
   if (!accepted) {
-    ++out_of_order_;
+    if (++out_of_order_ == 1) {
+      logWarning("a frame is passed over, since its stamp does not follow that of the one before; more are counted");
+    }
     return;
   }
   if (upkeepIsDone()) tellChanges();  // a recording that is played again has dropped the map: said before the next one

@@ -26,9 +26,7 @@ TEST(DenseFlowTest, FindsAKnownShiftWithItsSign) {
   const cv::Mat1b previous = large(cv::Rect(40, 30, 320, 240)).clone();
   const cv::Mat1b current = large(cv::Rect(35, 33, 320, 240)).clone();  // content moves 5 px right and 3 px up
   for (const char* preset : {"ultrafast", "fast", "medium"}) {
-    DenseFlowConfig config;
-    config.preset = preset;
-    const cv::Mat2f flow = DenseFlow(config).compute(previous, current);
+    const cv::Mat2f flow = DenseFlow(preset).compute(previous, current);
     ASSERT_EQ(flow.size(), current.size());
     const cv::Scalar mean = cv::mean(flow(cv::Rect(30, 30, 260, 180)));
     EXPECT_NEAR(mean[0], 5.0, 0.2) << preset;
@@ -40,7 +38,7 @@ TEST(DenseFlowTest, DoesNotDependOnWhatWasComputedBefore) {
   const cv::Mat1b a = texturedImage({160, 120});
   cv::Mat1b b;
   cv::flip(a, b, 1);
-  DenseFlow used{DenseFlowConfig()}, fresh{DenseFlowConfig()};
+  DenseFlow used("ultrafast"), fresh("ultrafast");
   used.compute(a, b);
   EXPECT_EQ(cv::norm(used.compute(b, b), fresh.compute(b, b), cv::NORM_INF), 0.0);
 }

@@ -37,6 +37,31 @@ TEST(MotionDetectorTest, FirstFrameIsAllStaticAndHasNoFlow) {
   EXPECT_EQ(cv::countNonZero(result.moving), 0);
   EXPECT_TRUE(result.flow_px.empty());
   EXPECT_EQ(result.model, MotionModel::kNone);
+  EXPECT_FALSE(result.told);
+}
+
+TEST(MotionDetectorTest, BetweenFramesThatAreFarApartNoMotionIsTold) {
+  MotionDetector detector{MotionConfig()};
+  double now_s = 1.0;
+  const auto told = [&](double gap_s, int index) {
+    RgbdFrame frame = texturedFrame(index, 2.0F, index);
+    frame.stamp = Stamp::fromSeconds(now_s += gap_s);
+    return detector.detect(frame).told;
+  };
+  EXPECT_FALSE(told(0.0, 0)) << "there is no frame before";
+  EXPECT_TRUE(told(0.03, 1));
+  EXPECT_TRUE(told(0.45, 2));
+  EXPECT_FALSE(told(1.0, 3)) << "numbered instead of stamped, as good as a second apart";
+  EXPECT_FALSE(told(0.6, 4));
+  EXPECT_TRUE(told(0.03, 5));
+}
+
+TEST(MotionDetectorTest, WithoutAModelNothingIsToBeTold) {
+  MotionConfig config;
+  config.model = "none";
+  MotionDetector detector{config};
+  EXPECT_TRUE(detector.detect(texturedFrame(0, 2.0F, 0)).told);
+  EXPECT_TRUE(detector.detect(texturedFrame(1, 2.0F, 0)).told);
 }
 
 TEST(MotionDetectorTest, FlowIsInPixelsOfTheFullImage) {
@@ -65,6 +90,7 @@ TEST(MotionDetectorTest, BlackImageTellsNothingAndBreaksNothing) {
     frame.gray = cv::Mat1b::zeros(240, 320);
     const MotionResult result = detector.detect(frame);
     EXPECT_EQ(result.model, MotionModel::kNone);
+    EXPECT_FALSE(result.told);
     EXPECT_EQ(cv::countNonZero(result.dynamic >= 128), 0);
     EXPECT_FALSE(hasNan(result.flow_px));
   }

@@ -58,5 +58,34 @@ TEST(KeyframeInputs, WhatIsOlderThanTheNewestKeyframeIsNotLookedAt) {
   EXPECT_FALSE(inputs.look(at(1.0), kMotion));
 }
 
+TEST(KeyframeInputs, WhereMotionCannotBeToldOnlyWhatHasLabelsIsMapped) {
+  MotionResult untold;
+  untold.told = false;
+  for (const bool labelled : {false, true}) {
+    KeyframeInputs inputs(KeyframeInputsConfig(), 30);
+    for (const double seconds : {1.0, 2.0}) {
+      bring(inputs, at(seconds));
+      inputs.put(at(seconds), untold);
+      if (labelled) inputs.put(FrameLabels{at(seconds), cv::Mat1b(96, 128, std::uint8_t{0})});
+    }
+    const auto named = inputs.name({KeyframeId(7), 1, at(1.0)});
+    EXPECT_EQ(inputs.gather(named, kMotion).has_value(), labelled);
+    EXPECT_EQ(inputs.counts().untold, labelled ? 0U : 1U);
+    EXPECT_EQ(inputs.look(at(2.0), kMotion).has_value(), labelled) << "of frames between keyframes too";
+  }
+}
+
+TEST(KeyframeInputs, AfterAClockThatIsSetBackFramesAreLookedAtAgain) {
+  KeyframeInputs inputs(KeyframeInputsConfig(), 30);
+  bring(inputs, at(100.0));
+  inputs.name({KeyframeId(7), 1, at(100.0)});
+  for (const double seconds : {50.0, 50.4}) {
+    bring(inputs, at(seconds));
+    EXPECT_FALSE(inputs.look(at(seconds), kMotion)) << seconds;
+  }
+  bring(inputs, at(50.5));
+  EXPECT_TRUE(inputs.look(at(50.5), kMotion));
+}
+
 }  // namespace
 }  // namespace semantic_vslam

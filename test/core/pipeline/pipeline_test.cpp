@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
@@ -20,6 +21,7 @@
 #include "eval/trajectory_error.h"
 #include "semantic_vslam/core/common/config_fields.h"
 #include "semantic_vslam/core/common/error.h"
+#include "semantic_vslam/core/common/log.h"
 
 namespace semantic_vslam {
 namespace {
@@ -222,20 +224,89 @@ TEST(Pipeline, AFrameThatIsNotNewerIsPassedOver) {
   EXPECT_TRUE(system.step(frames[2].frame).posed());
 }
 
-TEST(Pipeline, AClockThatIsSetBackKeepsTheMap) {
-  Pipeline system{SystemConfig()};
+/// What was logged while it is there.
+class HeardLog {
+ public:
+  HeardLog() {
+    setLogSink([this](LogLevel, const std::string& line) { lines_.push_back(line); });
+  }
+  ~HeardLog() { setLogSink({}); }
+  std::size_t count(const std::string& part) const {
+    return static_cast<std::size_t>(std::count_if(
+        lines_.begin(), lines_.end(), [&](const std::string& line) { return line.find(part) != std::string::npos; }));
+  }
+
+ private:
+  std::vector<std::string> lines_;
+};
+
+class ClockSetBack : public testing::TestWithParam<double> {};
+
+TEST_P(ClockSetBack, KeepsTheMapAndGoesOnAfterTwoFrames) {
+  Pipeline system{motionAlone()};
   const auto& frames = walkingFrames();
   for (int i = 0; i < 10; ++i) system.step(frames[i].frame);
-  const std::size_t keyframes = system.slam().keyframeCount();
-  int posed = 0;
-  for (int i = 5; i < 10; ++i) {
+  const KeyframeId first = system.slam().keyframePoses().front().keyframe;
+  const HeardLog log;
+  for (int i = 10; i < 16; ++i) {
     RgbdFrame earlier = frames[i].frame;
-    earlier.stamp.ns -= 10'000'000'000;
-    posed += system.step(earlier).posed() ? 1 : 0;
+    earlier.stamp.ns -= Stamp::fromSeconds(GetParam()).ns;
+    EXPECT_EQ(system.step(earlier).posed(), i >= 12) << i;
   }
-  EXPECT_GE(posed, 3);
-  EXPECT_GE(system.slam().keyframeCount(), keyframes);
-  EXPECT_LE(system.trajectory().size(), 5U) << "the trajectory begins anew";
+  EXPECT_EQ(log.count("the map stays"), 1U);
+  EXPECT_EQ(system.slam().keyframePoses().front().keyframe, first);
+  EXPECT_EQ(system.slam().map().roots().size(), system.slam().keyframePoses().size()) << "and no other map is begun";
+  EXPECT_LE(system.trajectory().size(), 4U) << "the trajectory begins anew";
+}
+
+INSTANTIATE_TEST_SUITE_P(BySeconds, ClockSetBack, testing::Values(0.5, 2.0, 5.0, 10.0));
+
+TEST(Pipeline, AShortRecordingInALoopIsFollowedInOneMap) {
+  Pipeline system{motionAlone()};
+  const auto& frames = walkingFrames();
+  constexpr int kLaps = 4, kLength = 15;
+  int posed = 0;
+  const HeardLog log;
+  for (int i = 0; i < kLaps * kLength; ++i) {
+    RgbdFrame frame = frames[i % kLength].frame;
+    frame.index = static_cast<std::uint64_t>(i);
+    posed += system.step(frame).posed() ? 1 : 0;
+  }
+  EXPECT_GE(posed, kLaps * (kLength - 2) - 1);
+  EXPECT_EQ(log.count("the map stays"), static_cast<std::size_t>(kLaps - 1));
+  EXPECT_EQ(system.slam().map().roots().size(), system.slam().keyframePoses().size()) << "one map";
+}
+
+TEST(Pipeline, OneStampInTheFutureCostsItsFrameAlone) {
+  Pipeline system{motionAlone()};
+  const auto& frames = walkingFrames();
+  const HeardLog log;
+  for (int i = 0; i < 12; ++i) {
+    RgbdFrame frame = frames[i].frame;
+    if (i == 6) frame.stamp.ns += 3'600'000'000'000;
+    EXPECT_EQ(system.step(frame).posed(), i > 0 && i != 6) << i;
+  }
+  EXPECT_EQ(log.count("stamp"), 1U);
+  EXPECT_EQ(system.trajectory().size(), 11U);
+}
+
+TEST(Pipeline, FramesThatAreNumberedInsteadOfStampedAreNotMappedAndThatIsSaid) {
+  Pipeline system{motionAlone()};
+  const auto& frames = walkingFrames();
+  int posed = 0;
+  const HeardLog log;
+  for (int i = 0; i < 20; ++i) {
+    RgbdFrame frame = frames[i].frame;
+    frame.stamp = Stamp::fromSeconds(1.0 + i);
+    const StepResult result = system.step(frame);
+    posed += result.posed() ? 1 : 0;
+    EXPECT_FALSE(result.motion.told);
+    EXPECT_TRUE(result.mapped.empty()) << "people would be in it";
+  }
+  system.finish();
+  EXPECT_GE(posed, 19) << "the pose is told all the same";
+  EXPECT_TRUE(system.cloud().empty());
+  EXPECT_EQ(log.count("motion cannot be told"), 1U);
 }
 
 TEST(Pipeline, DarknessLosesNothingThatIsMapped) {

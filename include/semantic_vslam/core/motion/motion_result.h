@@ -28,7 +28,7 @@ inline const char* motionModelName(MotionModel model) {
 /// What the motion stage says of one frame.
 struct MotionResult {
   /// height x width, 8-bit: probability that the pixel is on a moving object, 0 = surely static, 255 = surely dynamic.
-  /// 128 and more counts as dynamic. All 0 where no motion could be told (first frame, tracking of the flow lost).
+  /// 128 and more counts as dynamic. All 0 where no motion could be told, but for labels.
   cv::Mat1b dynamic;
   /// The same without semantic masks, by flow and depth alone, on the motion stage's working grid: Fi of eq. (5).
   cv::Mat1b moving;
@@ -38,6 +38,9 @@ struct MotionResult {
   /// Flow amplitude that the camera's motion does not explain, eq. (1); size of flow_px, px; NaN = unknown.
   /// Empty where no model held.
   cv::Mat1f residual_px;
+  /// False: what moves cannot be told, since there is no frame before, or it is too old, or nothing explains how the
+  /// camera moved. Then people are in `dynamic` by labels alone, and without labels the frame is not mapped.
+  bool told = true;
   MotionModel model = MotionModel::kNone;
   SE3 T_current_previous = SE3::Identity();  ///< camera motion by the rigid model; identity for the others
   int inliers = 0;                           ///< of the camera motion model

@@ -20,6 +20,9 @@ constexpr int kLeastPairingQueue = 10;
 // not wait for it to know that a pair is the best one.
 constexpr double kShortestPeriodS = 0.015;
 
+// One stream of a driver is behind the other by less. Where a stamp is older than that, stamps went back.
+constexpr double kLongestLagS = 0.5;
+
 // A simulated clock that goes back by less, while images go on, was only behind them.
 constexpr double kClockDelayS = 5.0;
 
@@ -98,8 +101,8 @@ void RgbdSubscriber::onImage(Stream& stream, const Image& image) {
                          " s from the one before; set the driver's clock, and colour and depth by the same");
   }
   // What waits for its partner is of the stamps before: the synchroniser would hold all else back for it.
-  if (image->header.stamp < stream.newest) synchronize();
-  stream.newest = last_stamp_ = image->header.stamp;
+  if (jump_s < -kLongestLagS) synchronize();
+  last_stamp_ = image->header.stamp;
   stream.out.add(image);
 }
 

@@ -52,7 +52,6 @@ class RgbdSubscriber {
     std::atomic<std::size_t> images{0};
     std::atomic<double> last_s{0.0};     ///< steady clock, of the newest
     std::atomic<bool> unstamped{false};  ///< the newest
-    ros::Time newest;                    ///< stamp of the one that came last; callback thread only
     message_filters::PassThrough<sensor_msgs::Image> out;
   };
 

@@ -67,8 +67,10 @@ class MotionDetector {
   /// traceBack()  @param semantic  of MaskPropagation::dynamicNow()
   cv::Mat1f staticWeight(const cv::Mat2f& source, const cv::Mat1f& semantic) const;
   Estimate explainByHomography(const GridFrame& current, const cv::Mat2f& flow_cells, const cv::Mat1f& static_weight);
-  /// For the step from the previous frame to this one.
+  /// Whether the step from the previous frame is a long one.
+  bool isSlow(const GridFrame& current) const;
   DenseFlow& flowFor(const GridFrame& current);
+  DepthVote askReferences(const GridFrame& current);
   Estimate explainByRigidFlow(const GridFrame& current, const cv::Mat2f& flow_cells, const cv::Mat2f& source,
                               const cv::Mat1f& static_weight);
   /// Labels are evidence: where keyframes have known a surface at rest for seconds they give way.

@@ -258,6 +258,7 @@ TEST(Conversions, AMotionReportKeepsAllButTheMask) {
   MotionResult motion;
   motion.model = MotionModel::kHomography;
   motion.inliers = 12;
+  motion.told = false;
   motion.dynamic_share = 0.25;
   motion.labels = Stamp{5};
   motion.moving = cv::Mat1b(3, 4, std::uint8_t{0});
@@ -265,6 +266,7 @@ TEST(Conversions, AMotionReportKeepsAllButTheMask) {
   const MotionResult back = fromRos(boost::make_shared<MotionReport>(toRos(std_msgs::Header(), motion)));
   EXPECT_EQ(back.model, MotionModel::kHomography);
   EXPECT_EQ(back.inliers, 12);
+  EXPECT_FALSE(back.told);
   EXPECT_EQ(back.dynamic_share, 0.25);
   EXPECT_EQ(back.labels, Stamp{5});
   EXPECT_EQ(cv::countNonZero(back.moving != motion.moving), 0);

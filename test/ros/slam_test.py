@@ -15,7 +15,7 @@ import rospkg
 import rospy
 import sensor_msgs.point_cloud2
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Point, PoseWithCovarianceStamped
+from geometry_msgs.msg import Point, PoseWithCovarianceStamped, TransformStamped
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from nav_msgs.srv import GetMap
 from octomap_msgs.msg import Octomap
@@ -453,13 +453,26 @@ class SlamTest(unittest.TestCase):
         self.seen.keyframes.clear()
         play(self.recording.path, "--start", "3")
         self.seen.wait_for_tracking()
+        self.hang_elsewhere(next(iter(self.seen.transforms.values()))[0])
         self.seen.states.clear()
         play(self.recording.path, "--duration", "2")  # the clock goes back: the map that was loaded stays all the same
         self.seen.wait_for_tracking()
         self.assertTrue(any("found its place in the map of" in line and "by relocalisation" in line for line in self.seen.log), self.seen.log)
+        self.assertEqual(self.seen.transforms, {}, "tf that would take the frame from its parent")
         self.assertEqual(self.seen.keyframes, [])
         self.assertEqual(len({state.keyframes for state in self.seen.states}), 1)
         self.assertGreater(len(self.seen.newest["tracking/keyframe_poses"].keyframes), 1)
+
+    def hang_elsewhere(self, frame):
+        """Another node gives the frame a parent, as a robot's URDF or a driver does."""
+        edge = TransformStamped(child_frame_id=frame)
+        edge.header.frame_id = "elsewhere"
+        edge.transform.rotation.w = 1.0
+        self.robot = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
+        self.robot.publish(TFMessage([edge]))
+        wait_until(lambda: self.robot.get_num_connections() >= 1, 20, "somebody who listens to tf")
+        time.sleep(1.0)
+        self.seen.transforms.clear()
 
     @staticmethod
     def state_for_who_comes_now():

@@ -79,9 +79,10 @@ struct FramesConfig : MapFrameConfig {
     v.text("odom_frame", odom_frame, "odometry of the robot: map -> odom is published; empty: map -> base or camera");
     v.text("base_frame", base_frame, "body of the robot, joined to the camera by tf; empty: the camera is the body");
     v.flag("publish_tf", publish_tf, "false: only topics; another node broadcasts");
-    v.field("tf_wait_s", tf_wait_s, 0.0, 1.0,
-            "s to wait for base -> camera of the image's stamp, where that joint moves; once in vain, no more until it is "
-            "there. Nothing waits for odometry");
+    v.field(
+        "tf_wait_s", tf_wait_s, 0.0, 1.0,
+        "s to wait for base -> camera of the image's stamp, where that joint moves; once in vain, no more until it is "
+        "there. Nothing waits for odometry");
     v.field("tf_future_s", tf_future_s, 0.0, 1.0,
             "s by which map -> odom is dated ahead, so that others can use it before the next image");
   }

@@ -4,18 +4,14 @@
 
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
-#include <std_msgs/Header.h>
 
 #include <atomic>
 #include <functional>
 #include <list>
-#include <optional>
 #include <string>
-#include <vector>
 
-#include "core/dense/dense_mapper.h"
-#include "core/dense/map_objects.h"
 #include "core/pipeline/dense_stage.h"
+#include "ros/map_messages.h"
 #include "ros/stage_diagnostics.h"
 
 namespace semantic_vslam {
@@ -38,21 +34,7 @@ class MapPublisher {
   void report(StageDiagnostics::Status& status) const;
 
  private:
-  /// The map, with what more than one topic shows of it.
-  struct Source {
-    const DenseMapper& map;
-    const LabelSet& labels;
-    std_msgs::Header header;
-    std::optional<std::vector<LabelledPoint>> points;
-    std::optional<std::vector<MapObject>> found;
-    std::optional<std::vector<OctreeLeaf>> leaves;
-    std::function<std::vector<MapObject>(const std::vector<LabelledPoint>&)> find_objects;
-
-    const std::vector<LabelledPoint>& cloud();
-    const std::vector<OctreeLeaf>& octreeLeaves();
-    const std::vector<MapObject>& objects();
-  };
-  using Publish = std::function<void(const ros::Publisher&, Source&)>;
+  using Publish = std::function<void(const ros::Publisher&, MapMessages::State&)>;
   struct Topic {
     Publish publish;
     std::atomic<bool> changed{false};
@@ -61,15 +43,11 @@ class MapPublisher {
 
   template <class Message>
   void advertise(ros::NodeHandle& nh, const std::string& topic, Publish publish);
-  /// With the ids that they had before.
-  std::vector<MapObject> findObjects(const std::vector<LabelledPoint>& cloud, const DenseMapper& map);
   void publishTopics(const DenseMapper& map, const LabelSet& labels);
 
   const std::string map_frame_;
-  const MapObjectsConfig objects_;
-  ObjectList object_list_;
-  std::vector<KeyframePose> object_poses_;  // of the keyframes when the objects were found last
-  std::list<Topic> topics_;                 // their addresses stay
+  MapMessages messages_;
+  std::list<Topic> topics_;  // their addresses stay
   std::atomic<bool> asked_{false};
   std::size_t published_ = 0;         // DenseStage::changes() then
   ros::SteadyTime next_publication_;  // not before

@@ -70,7 +70,7 @@ auto nearestInTime(Keyframes& keyframes, KeyframeId id) {
 }  // namespace
 
 DenseMapper::DenseMapper(const DenseConfig& config, const LabelSet& labels)
-    : config_(validated(config)), labels_(labels), served_{VoxelMap(config.voxels), {}, {}} {}
+    : config_(validated(config)), labels_(labels), served_{VoxelMap(config.voxels), {}, {}, {}} {}
 
 bool DenseMapper::add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
                       const SE3& T_world_camera) {
@@ -176,7 +176,7 @@ void DenseMapper::updatePoses(const std::vector<KeyframePose>& poses) {
 }
 
 void DenseMapper::startRebuild() {
-  next_.emplace(Version{VoxelMap(config_.voxels), {}, {}});
+  next_.emplace(Version{VoxelMap(config_.voxels), {}, {}, {}});
   due_.clear();
   for (const auto& [id, keyframe] : keyframes_) {
     due_.push_back({keyframe.order, id});
@@ -331,13 +331,18 @@ OccupancyGrid DenseMapper::projectedMap(const SE3& T_map_world) const {
 
 void DenseMapper::saveCloud(const std::string& path) const { writePcd(cloud(), labels_, path); }
 
-void DenseMapper::saveOctomap(const std::string& path) const { saveOctree(served_.voxels, path); }
+const OctreeStream& DenseMapper::octree() const {
+  served_.octree.update(served_.voxels);
+  return served_.octree;
+}
+
+void DenseMapper::saveOctomap(const std::string& path) const { saveOctree(octree(), path); }
 
 void DenseMapper::saveForOthers(const std::string& folder) const {
   saveCloud(folder + "/cloud.pcd");
   saveOctomap(folder + "/map.ot");
   saveMesh(folder + "/mesh.ply");
-  saveBinaryOctree(served_.voxels, folder + "/map.bt");
+  saveBinaryOctree(octree(), folder + "/map.bt");
   const OccupancyGrid grid = projectedMap(SE3::Identity());
   if (!grid.cells.empty()) writeGrid(grid, folder + "/grid");
 }
@@ -363,7 +368,7 @@ void DenseMapper::clear() {
   kept_bytes_ = 0;
   next_order_ = 0;
   next_.reset();
-  served_ = Version{VoxelMap(config_.voxels), {}, {}};
+  served_ = Version{VoxelMap(config_.voxels), {}, {}, {}};
 }
 
 DenseMapContent DenseMapper::content(std::uint32_t map_id) const {

@@ -73,9 +73,9 @@ class DenseMapper {
   /// Heights are counted from the floor that the map shows, see floorOf(); what it finds is said once in the log.
   /// @param T_map_world  into a frame with z up
   OccupancyGrid projectedMap(const SE3& T_map_world) const;
-  std::vector<OctreeLeaf> octreeLeaves() const { return semantic_vslam::octreeLeaves(served_.voxels); }
-  OctreeMessage binaryOctree() const { return semantic_vslam::binaryOctree(served_.voxels); }
-  OctreeMessage fullOctree() const { return semantic_vslam::fullOctree(served_.voxels); }
+  std::vector<OctreeLeaf> octreeLeaves() const { return semantic_vslam::octreeLeaves(octree()); }
+  OctreeMessage binaryOctree() const { return semantic_vslam::binaryOctree(octree()); }
+  OctreeMessage fullOctree() const { return semantic_vslam::fullOctree(octree()); }
 
   /// Each writes the file whole or not at all. @throws FileError naming path and cause.
   void saveCloud(const std::string& path) const;
@@ -113,6 +113,8 @@ class DenseMapper {
     VoxelMap voxels;
     std::map<KeyframeId, SE3> T_world_camera;
     std::vector<Stamp> stamps;  ///< of all that was integrated, in that order
+    // What was made of it for who is served, part by part: only what changed since is made again.
+    mutable OctreeStream octree;
   };
   /// A keyframe or a look that a rebuild has still to take in.
   struct Due {
@@ -124,6 +126,7 @@ class DenseMapper {
   bool inReach(const SE3& T_world_camera);
   void integrate(const DenseKeyframe& keyframe, const SE3& T_world_camera, Version& version) const;
   void integrate(const DenseLook& look, Version& version) const;
+  const OctreeStream& octree() const;
   void startRebuild();
   /// Where a keyframe lies among other poses than the newest: as it lies to the one of them that is nearest in time.
   SE3 poseAmong(const std::map<KeyframeId, SE3>& T_world_camera, KeyframeId id) const;

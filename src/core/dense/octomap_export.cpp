@@ -12,95 +12,55 @@
 namespace semantic_vslam {
 namespace {
 
-/// OctoMap's keys count voxels from -32768; what lies outside (983 m at 3 cm) cannot be expressed and stays out.
-bool octreeKey(const Eigen::Vector3i& index, octomap::OcTreeKey& key) {
-  constexpr int kCentre = 1 << 15;
-  for (int axis = 0; axis < 3; ++axis) {
-    const int shifted = index[axis] + kCentre;
-    if (shifted < 0 || shifted >= 2 * kCentre) return false;
-    key[static_cast<unsigned>(axis)] = static_cast<octomap::key_type>(shifted);
-  }
-  return true;
-}
-
-octomap::ColorOcTree makeOctree(const VoxelMap& map) {
-  octomap::ColorOcTree tree(map.resolution());
-  map.forEachKnown([&](const Voxel& voxel) {
-    octomap::OcTreeKey key;
-    if (!octreeKey(voxel.index, key)) return;
-    constexpr bool kLazy = true;  // inner nodes are made up once, below
-    octomap::ColorOcTreeNode* node = tree.setNodeValue(key, static_cast<float>(voxel.log_odds), kLazy);
-    if (voxel.state == Occupancy::kOccupied) node->setColor(voxel.bgr[2], voxel.bgr[1], voxel.bgr[0]);
-  });
-  if (tree.size() == 0) return tree;  // OctoMap follows a null root otherwise
-  tree.updateInnerOccupancy();
-  tree.prune();
-  return tree;
-}
-
-OctreeMessage toMessage(const std::ostringstream& stream, double resolution_m) {
-  const std::string bytes = stream.str();
+OctreeMessage toMessage(const std::string& bytes, double resolution_m) {
   OctreeMessage message;
   message.resolution_m = resolution_m;
   message.data.assign(bytes.begin(), bytes.end());
   return message;
 }
 
-void writeBinaryData(const VoxelMap& map, std::ostream& stream) {
-  octomap::ColorOcTree tree = makeOctree(map);
-  tree.toMaxLikelihood();  // the two-bit stream holds only leaves that are surely free or occupied
-  tree.prune();
-  tree.writeBinaryData(stream);
-}
-
 }  // namespace
 
-OctreeMessage binaryOctree(const VoxelMap& map) {
-  std::ostringstream stream;
-  writeBinaryData(map, stream);
-  OctreeMessage message = toMessage(stream, map.resolution());
+OctreeMessage binaryOctree(const OctreeStream& tree) {
+  OctreeMessage message = toMessage(tree.binary(), tree.resolution());
   message.binary = true;
-  message.id = "OcTree";  // its two-bit stream is the same, and every reader knows it
+  message.id = "OcTree";  // its two-bit stream is that of every class, and every reader knows it
   return message;
 }
 
-OctreeMessage fullOctree(const VoxelMap& map) {
-  const octomap::ColorOcTree tree = makeOctree(map);
-  std::ostringstream stream;
-  tree.writeData(stream);
-  OctreeMessage message = toMessage(stream, map.resolution());
-  message.id = tree.getTreeType();
+OctreeMessage fullOctree(const OctreeStream& tree) {
+  OctreeMessage message = toMessage(tree.full(), tree.resolution());
+  message.id = "ColorOcTree";
   return message;
 }
 
-std::vector<OctreeLeaf> octreeLeaves(const VoxelMap& map) {
+std::vector<OctreeLeaf> octreeLeaves(const OctreeStream& tree) {
   std::vector<OctreeLeaf> leaves;
-  const octomap::ColorOcTree tree = makeOctree(map);
-  for (auto node = tree.begin_leafs(); node != tree.end_leafs(); ++node) {
-    const octomap::ColorOcTreeNode::Color color = node->getColor();
-    const bool occupied = tree.isNodeOccupied(*node);
-    leaves.push_back({{node.getX(), node.getY(), node.getZ()},
-                      node.getSize(),
-                      occupied,
-                      occupied ? cv::Vec3b(color.b, color.g, color.r) : cv::Vec3b()});
-  }
+  tree.forEachLeaf([&](const OctreeStream::Leaf& leaf) {
+    const bool occupied = leaf.log_odds >= 0.0F;
+    leaves.push_back({(leaf.corner.cast<double>().array() + leaf.side / 2.0) * tree.resolution(),
+                      leaf.side * tree.resolution(), occupied,
+                      occupied ? cv::Vec3b(leaf.rgb[2], leaf.rgb[1], leaf.rgb[0]) : cv::Vec3b()});
+  });
   return leaves;
 }
 
-void saveBinaryOctree(const VoxelMap& map, const std::string& path) {
-  std::stringstream data;
-  writeBinaryData(map, data);
-  octomap::OcTree tree(map.resolution());
-  if (data.tellp() > 0) tree.readBinaryData(data);
+void saveBinaryOctree(const OctreeStream& tree, const std::string& path) {
+  std::istringstream data(tree.binary());
+  octomap::OcTree octree(tree.resolution());
+  if (!data.str().empty()) octree.readBinaryData(data);
   std::ostringstream file;
-  tree.writeBinaryConst(file);
+  octree.writeBinaryConst(file);
   writeTextAtomically(path, file.str());
 }
 
-void saveOctree(const VoxelMap& map, const std::string& path) {
-  std::ostringstream stream;
-  makeOctree(map).write(stream);
-  writeTextAtomically(path, stream.str());
+void saveOctree(const OctreeStream& tree, const std::string& path) {
+  std::istringstream data(tree.full());
+  octomap::ColorOcTree octree(tree.resolution());
+  if (!data.str().empty()) octree.readData(data);
+  std::ostringstream file;
+  octree.write(file);
+  writeTextAtomically(path, file.str());
 }
 
 }  // namespace semantic_vslam

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/dense/voxel_map.h"
+#include "core/dense/octree_stream.h"
 #include "semantic_vslam/core/dense/dense_result.h"
 
 /// The voxel map as an OctoMap that stock programs read (octovis, octomap_server, octomap_rviz_plugins). The tree is a
@@ -15,9 +15,9 @@
 namespace semantic_vslam {
 
 /// Free and occupied only, two bits a node: octomap_msgs' binaryMapToMsg of an OcTree.
-OctreeMessage binaryOctree(const VoxelMap& map);
+OctreeMessage binaryOctree(const OctreeStream& tree);
 /// With log-odds and colour: octomap_msgs' fullMapToMsg of a ColorOcTree.
-OctreeMessage fullOctree(const VoxelMap& map);
+OctreeMessage fullOctree(const OctreeStream& tree);
 
 /// A node without children of the pruned tree: a cube of one state.
 struct OctreeLeaf {
@@ -27,11 +27,11 @@ struct OctreeLeaf {
   cv::Vec3b bgr;  ///< black where it is free
 };
 /// In a fixed order.
-std::vector<OctreeLeaf> octreeLeaves(const VoxelMap& map);
+std::vector<OctreeLeaf> octreeLeaves(const OctreeStream& tree);
 
 /// Writes what binaryOctree() holds as a .bt file, whole or not at all. @throws FileError naming path and cause.
-void saveBinaryOctree(const VoxelMap& map, const std::string& path);
+void saveBinaryOctree(const OctreeStream& tree, const std::string& path);
 /// Writes the ColorOcTree as an .ot file, whole or not at all. @throws FileError naming path and cause.
-void saveOctree(const VoxelMap& map, const std::string& path);
+void saveOctree(const OctreeStream& tree, const std::string& path);
 
 }  // namespace semantic_vslam

@@ -51,6 +51,12 @@ inline Eigen::Vector3i voxelIndex(VoxelKey key) {
   return index;
 }
 
+/// Key of the block that a voxel lies in.
+inline VoxelKey blockKey(VoxelKey voxel) { return voxel >> (3 * kBlockBits); }
+
+/// Index of a block's lowest voxel.
+inline Eigen::Vector3i blockCorner(VoxelKey block) { return voxelIndex(block << (3 * kBlockBits)); }
+
 inline Eigen::Vector3i voxelIndexAt(const Eigen::Vector3d& point_m, double cell_m) {
   return {static_cast<int>(std::floor(point_m.x() / cell_m)), static_cast<int>(std::floor(point_m.y() / cell_m)),
           static_cast<int>(std::floor(point_m.z() / cell_m))};

@@ -22,6 +22,9 @@ using LogOdds = std::int16_t;  // in thousandths: exact sums, the same on every 
 constexpr double kLogOddsUnit = 0.001;
 constexpr LogOdds kUnknown = std::numeric_limits<LogOdds>::min();
 constexpr float kHalfDiagonal = 0.866F;  // of a unit cube
+// A voxel with points of one keyframe is doubted after so many keyframes: that saw nothing at it; that had it in view.
+constexpr int kDoubtsUntilGone = 3;
+constexpr int kViewsToConfirm = 10;
 
 LogOdds logOdds(double probability) {
   return static_cast<LogOdds>(std::lround(std::log(probability / (1.0 - probability)) / kLogOddsUnit));
@@ -44,6 +47,8 @@ void countUp(std::uint16_t& count) {
 }
 
 struct Block {
+  std::uint32_t place = 0;  // in VoxelMap::blocks()
+  std::uint32_t bytes = 0;  // as counted last
   std::array<LogOdds, kBlockVoxels> log_odds;
   std::vector<std::uint16_t> slot;  // place + 1 in surfaces, 0 = none; empty in a block that was only ever seen free
   std::vector<Surface> surfaces;
@@ -51,6 +56,10 @@ struct Block {
 
   Block() { log_odds.fill(kUnknown); }
 
+  std::size_t memoryBytes() const {
+    return sizeof(Block) + slot.capacity() * sizeof(std::uint16_t) + surfaces.capacity() * sizeof(Surface) +
+           distances.capacity() * sizeof(FusedDistance) + sizeof(VoxelBlock) + 4 * sizeof(void*);
+  }
   const FusedDistance* distance(int local) const {
     return distances.empty() || !distances[local].known() ? nullptr : &distances[local];
   }
@@ -155,13 +164,31 @@ struct VoxelMap::Impl {
     }
     value = std::clamp<LogOdds>(static_cast<LogOdds>(value + step), lowest, highest);
   }
+  const Block* find(VoxelKey block_key) const {
+    const auto found = blocks.find(block_key);
+    return found == blocks.end() ? nullptr : &found->second;
+  }
+  Block& make(VoxelKey block_key) {
+    const auto [it, is_new] = blocks.try_emplace(block_key);
+    if (is_new) {
+      it->second.place = static_cast<std::uint32_t>(places.size());
+      places.push_back({block_key, revision});
+    }
+    return it->second;
+  }
+  void markChanged(const Block& block) { places[block.place].changed = revision; }
+  void count(Block& block) {
+    const std::size_t now = block.memoryBytes();
+    bytes += now - block.bytes;
+    block.bytes = static_cast<std::uint32_t>(now);
+  }
 
   void insertPoints(const std::vector<LabelledPoint>& points, const SE3& T_world_camera);
   void hitVoxel(VoxelKey key, const Observation& observation);
   void carve(const FreeSpaceView& view, const SE3& T_world_camera);
   void carveBlock(const Eigen::Vector3i& block_index, const SE3& T_camera_world, const FreeSpaceView& view,
                   const FreeLimits& limits, const SurfaceDistance& surfaces);
-  void miss(Block& block, int local);
+  bool miss(Block& block, int local);
   template <class Is>
   bool anyBeside(const Block& block, int local, const Is& is) const;
   Occupancy state(const Block& block, int local) const;
@@ -170,9 +197,10 @@ struct VoxelMap::Impl {
   VoxelMapConfig config;
   LogOdds hit, missed, lowest, highest;
   float truncation_m;
-  std::unordered_map<VoxelKey, Block> blocks;  // by VoxelKey >> 9; walked in sorted order only
-  std::uint32_t keyframes = 0;
-  std::size_t known = 0;
+  std::unordered_map<VoxelKey, Block> blocks;  // by blockKey(); walked in sorted order only
+  std::vector<VoxelBlock> places;
+  std::uint32_t keyframes = 0, revision = 0;
+  std::size_t known = 0, bytes = 0;
 };
 
 void VoxelMap::Impl::insertPoints(const std::vector<LabelledPoint>& points, const SE3& T_world_camera) {
@@ -188,13 +216,15 @@ void VoxelMap::Impl::insertPoints(const std::vector<LabelledPoint>& points, cons
 }
 
 void VoxelMap::Impl::hitVoxel(VoxelKey key, const Observation& observation) {
-  Block& block = blocks[key >> (3 * kBlockBits)];
+  Block& block = make(blockKey(key));
   const int local = static_cast<int>(key & (kBlockVoxels - 1));
   change(block.log_odds[local], hit);
   Surface& surface = block.makeSurface(local);
   surface.last_hit = keyframes;
   surface.misses_since_hit = surface.doubts_since_hit = surface.views_since_hit = 0;
   fuse(observation, surface);
+  markChanged(block);
+  count(block);
 }
 
 void VoxelMap::Impl::carve(const FreeSpaceView& view, const SE3& T_world_camera) {
@@ -245,9 +275,9 @@ void VoxelMap::Impl::carveBlock(const Eigen::Vector3i& block_index, const SE3& T
   const auto fx = static_cast<float>(view.fx_cells), fy = static_cast<float>(view.fy_cells);
   const auto cx = static_cast<float>(view.cx_cells) + 0.5F, cy = static_cast<float>(view.cy_cells) + 0.5F;
   const float cols = static_cast<float>(limit_m.cols), rows = static_cast<float>(limit_m.rows);
-  const VoxelKey key = voxelKey(block_index * kBlockSide) >> (3 * kBlockBits);
-  const auto found = blocks.find(key);
-  Block* block = found == blocks.end() ? nullptr : &found->second;
+  const VoxelKey key = blockKey(voxelKey(block_index * kBlockSide));
+  auto* block = const_cast<Block*>(find(key));
+  bool changed = false;  // for who is served, as counts that only lead there are not
   const auto noise = static_cast<float>(view.noise_m_per_m2);
   for (int local = 0; local < kBlockVoxels; ++local) {
     const auto i = static_cast<float>(local >> 6), j = static_cast<float>((local >> 3) & 7),
@@ -259,42 +289,56 @@ void VoxelMap::Impl::carveBlock(const Eigen::Vector3i& block_index, const SE3& T
     if (!(u >= 0.0F && v >= 0.0F && u < cols && v < rows)) continue;
     const int row = static_cast<int>(v), col = static_cast<int>(u);
     const bool free = p.z() < limit_m(row, col);
-    if (free && block == nullptr) block = &blocks[key];
+    if (free && block == nullptr) block = &make(key);
     if (!free || !block->distances.empty()) {
       const float distance_m = surfaces.at(u - 0.5F, v - 0.5F, p.z(), truncation_m);
       if (distance_m > -truncation_m) {
-        if (block == nullptr) block = &blocks[key];
+        if (block == nullptr) block = &make(key);
         if (block->distances.empty()) block->distances.resize(kBlockVoxels);
-        block->distances[local].add(distance_m / truncation_m, FusedDistance::weightOf(noise * p.z() * p.z()));
+        FusedDistance& fused = block->distances[local];
+        const bool known_before = fused.known();
+        const float before = fused.share();
+        fused.add(distance_m / truncation_m, FusedDistance::weightOf(noise * p.z() * p.z()));
+        changed = changed || !known_before || fused.share() != before;
       }
     }
-    if (free) miss(*block, local);
+    if (free) changed = miss(*block, local) || changed;
     const float inverse = view.inverse_depth(row, col);
     if (inverse < 0.0F && std::abs(1.0F + inverse * p.z()) < static_cast<float>(voxel_m) * -inverse) {
-      if (block == nullptr) block = &blocks[key];
+      if (block == nullptr) block = &make(key);
       countUp(block->makeSurface(local).someone);
+      changed = true;
     }
     Surface* surface = block == nullptr ? nullptr : block->surface(local);
     if (surface == nullptr || surface->last_hit == keyframes || p.z() >= config.free_range_m) continue;
     countUp(surface->views_since_hit);
     const float seen_m = 0.001F * static_cast<float>(view.free_mm(row, col));  // kNoReturn is farther than anything
     if (!free && p.z() + static_cast<float>(voxel_m) < seen_m) countUp(surface->doubts_since_hit);
+    changed = changed || surface->views_since_hit == kViewsToConfirm + 1 ||
+              (!free && surface->doubts_since_hit == kDoubtsUntilGone);
   }
+  if (block == nullptr) return;
+  if (changed) markChanged(*block);
+  count(*block);
 }
 
-/// Nothing was at a voxel for one keyframe.
-void VoxelMap::Impl::miss(Block& block, int local) {
+/// Nothing was at a voxel for one keyframe. @return whether it is served otherwise than before
+bool VoxelMap::Impl::miss(Block& block, int local) {
   constexpr int kMissesUntilGone = 3;  // however often it was hit before
   Surface* surface = block.surface(local);
+  bool news = false;
   if (surface != nullptr) {
-    if (surface->last_hit == keyframes) return;
+    if (surface->last_hit == keyframes) return false;
+    news = surface->misses == 0 || surface->someone > 0;
     countUp(surface->misses);
     countUp(surface->misses_since_hit);
     surface->someone = 0;
   }
   LogOdds& value = block.log_odds[local];
+  const LogOdds before = value;
   change(value, missed);
   if (surface != nullptr && surface->misses_since_hit >= kMissesUntilGone) value = std::min<LogOdds>(value, 0);
+  return news || value != before;
 }
 
 /// Whether something is so of a surface within two voxels, in the same block.
@@ -316,8 +360,6 @@ bool VoxelMap::Impl::anyBeside(const Block& block, int local, const Is& is) cons
 }
 
 Occupancy VoxelMap::Impl::state(const Block& block, int local) const {
-  constexpr int kDoubtsUntilGone = 3;  // keyframes
-  constexpr int kViewsToConfirm = 10;
   // Masks miss a person now and then; they take a thing for one more seldom.
   constexpr int kHitsPerPerson = 2;
   const LogOdds value = block.log_odds[local];
@@ -370,6 +412,7 @@ VoxelMap& VoxelMap::operator=(VoxelMap&&) noexcept = default;
 void VoxelMap::integrate(const std::vector<LabelledPoint>& points, const FreeSpaceView& view,
                          const SE3& T_world_camera) {
   ++impl_->keyframes;
+  ++impl_->revision;
   impl_->insertPoints(points, T_world_camera);
   impl_->carve(view, T_world_camera);
 }
@@ -377,17 +420,14 @@ void VoxelMap::integrate(const std::vector<LabelledPoint>& points, const FreeSpa
 Voxel VoxelMap::voxel(const Eigen::Vector3i& index) const {
   if (!inVoxelRange(index)) return impl_->describe(index, nullptr, 0);
   const VoxelKey key = voxelKey(index);
-  const auto found = impl_->blocks.find(key >> (3 * kBlockBits));
-  const Block* block = found == impl_->blocks.end() ? nullptr : &found->second;
-  return impl_->describe(index, block, static_cast<int>(key & (kBlockVoxels - 1)));
+  return impl_->describe(index, impl_->find(blockKey(key)), static_cast<int>(key & (kBlockVoxels - 1)));
 }
 
 std::optional<float> VoxelMap::distance(const Eigen::Vector3i& index) const {
   if (!inVoxelRange(index)) return std::nullopt;
   const VoxelKey key = voxelKey(index);
-  const auto found = impl_->blocks.find(key >> (3 * kBlockBits));
-  if (found == impl_->blocks.end()) return std::nullopt;
-  const FusedDistance* fused = found->second.distance(static_cast<int>(key & (kBlockVoxels - 1)));
+  const Block* block = impl_->find(blockKey(key));
+  const FusedDistance* fused = block == nullptr ? nullptr : block->distance(static_cast<int>(key & (kBlockVoxels - 1)));
   if (fused == nullptr) return std::nullopt;
   return fused->share() * impl_->truncation_m;
 }
@@ -401,16 +441,22 @@ void VoxelMap::forEachKnown(const std::function<void(const Voxel&)>& visit) cons
   keys.reserve(impl_->blocks.size());
   for (const auto& [key, block] : impl_->blocks) keys.push_back(key);
   std::sort(keys.begin(), keys.end());
-  for (const VoxelKey key : keys) {
-    const Block& block = impl_->blocks.at(key);
-    for (int local = 0; local < kBlockVoxels; ++local) {
-      if (block.log_odds[local] == kUnknown) continue;
-      const Eigen::Vector3i index = voxelIndex((key << (3 * kBlockBits)) | static_cast<VoxelKey>(local));
-      const Voxel voxel = impl_->describe(index, &block, local);
-      if (voxel.state != Occupancy::kUnknown) visit(voxel);
-    }
+  for (const VoxelKey key : keys) forEachKnownIn(key, visit);
+}
+
+void VoxelMap::forEachKnownIn(VoxelKey block_key, const std::function<void(const Voxel&)>& visit) const {
+  const Block& block = impl_->blocks.at(block_key);
+  for (int local = 0; local < kBlockVoxels; ++local) {
+    if (block.log_odds[local] == kUnknown) continue;
+    const Eigen::Vector3i index = voxelIndex((block_key << (3 * kBlockBits)) | static_cast<VoxelKey>(local));
+    const Voxel voxel = impl_->describe(index, &block, local);
+    if (voxel.state != Occupancy::kUnknown) visit(voxel);
   }
 }
+
+const std::vector<VoxelBlock>& VoxelMap::blocks() const { return impl_->places; }
+
+std::uint32_t VoxelMap::revision() const { return impl_->revision; }
 
 double VoxelMap::resolution() const { return impl_->config.resolution_m; }
 
@@ -480,14 +526,6 @@ bool VoxelMap::moveOntoSurface(LabelledPoint& point, double most_m) const {
 
 std::size_t VoxelMap::size() const { return impl_->known; }
 
-std::size_t VoxelMap::memoryBytes() const {
-  std::size_t bytes = 0;
-  for (const auto& [key, block] : impl_->blocks) {
-    bytes += sizeof(block) + block.slot.capacity() * sizeof(std::uint16_t) +
-             block.surfaces.capacity() * sizeof(Surface) + block.distances.capacity() * sizeof(FusedDistance) +
-             4 * sizeof(void*);
-  }
-  return bytes;
-}
+std::size_t VoxelMap::memoryBytes() const { return impl_->bytes; }
 
 }  // namespace semantic_vslam

@@ -10,6 +10,7 @@
 
 #include "core/dense/free_space.h"
 #include "core/dense/keyframe_cloud.h"
+#include "core/dense/voxel_key.h"
 #include "semantic_vslam/core/dense/dense_config.h"
 
 namespace semantic_vslam {
@@ -27,6 +28,13 @@ struct Voxel {
   std::uint32_t last_hit = 0;  ///< number of the keyframe that hit it last, counted from 1; 0 = none
   int hits = 0;                ///< keyframes with a point in it
   int misses = 0;              ///< keyframes that looked through it after the first point
+};
+
+/// A cube of 8x8x8 voxels, as the map keeps them: what changed is told by them.
+struct VoxelBlock {
+  static constexpr VoxelKey kNone = ~VoxelKey{0};
+  VoxelKey key = kNone;       ///< see blockKey(); kNone: the place is empty
+  std::uint32_t changed = 0;  ///< VoxelMap::revision() when a voxel in it was last served otherwise than before
 };
 
 /// Occupancy, colour and label of space, fused over keyframes (occupancy: Hornung et al. 2013, eq. 2-4).
@@ -70,6 +78,15 @@ class VoxelMap {
   /// Calls back for every voxel that is free or occupied, in a fixed order.
   void forEachKnown(const std::function<void(const Voxel&)>& visit) const;
 
+  /// Calls back for those of one block, in a fixed order. @param block  key of one that is there
+  void forEachKnownIn(VoxelKey block, const std::function<void(const Voxel&)>& visit) const;
+
+  /// All blocks. One stays at its place in the vector as long as it is there, so that what is made of it can be kept
+  /// beside it until it changes.
+  const std::vector<VoxelBlock>& blocks() const;
+  /// Grows with every change.
+  std::uint32_t revision() const;
+
   /// Fused signed distance of a voxel's centre to the surface, metres, above 0 before it; nothing where none is known.
   std::optional<float> distance(const Eigen::Vector3i& index) const;
 
@@ -82,7 +99,7 @@ class VoxelMap {
   Eigen::Vector3d centre(const Eigen::Vector3i& index) const;
   /// @return voxels ever hit or missed.
   std::size_t size() const;
-  std::size_t memoryBytes() const;
+  std::size_t memoryBytes() const;  ///< counted as it grows: costs nothing
 
  private:
   struct Impl;

@@ -42,7 +42,7 @@ void expectSame(const VoxelMap& map, const octomap::OccupancyOcTreeBase<octomap:
 TEST(OctomapExport, FileIsReadByStockOctomapWithStateAndColour) {
   const VoxelMap map = wallMap();
   const std::string path = testing::TempDir() + "semantic_octree_test.ot";
-  saveOctree(map, path);
+  saveOctree(OctreeStream(map), path);
   const std::unique_ptr<octomap::AbstractOcTree> read(octomap::AbstractOcTree::read(path));
   std::remove(path.c_str());
   const auto* tree = dynamic_cast<octomap::ColorOcTree*>(read.get());
@@ -61,7 +61,7 @@ TEST(OctomapExport, FileIsReadByStockOctomapWithStateAndColour) {
 
 TEST(OctomapExport, BinaryMessageIsWhatAnOcTreeReads) {
   const VoxelMap map = wallMap();
-  const OctreeMessage message = binaryOctree(map);
+  const OctreeMessage message = binaryOctree(OctreeStream(map));
   EXPECT_TRUE(message.binary);
   EXPECT_EQ(message.id, "OcTree");
   octomap::OcTree tree(message.resolution_m);
@@ -73,12 +73,12 @@ TEST(OctomapExport, BinaryMessageIsWhatAnOcTreeReads) {
 TEST(OctomapExport, BinaryFileIsReadByStockOctomap) {
   const std::string path = testing::TempDir() + "semantic_octree_test.bt";
   const VoxelMap map = wallMap();
-  saveBinaryOctree(map, path);
+  saveBinaryOctree(OctreeStream(map), path);
   octomap::OcTree tree(1.0);
   ASSERT_TRUE(tree.readBinary(path));
   EXPECT_DOUBLE_EQ(tree.getResolution(), 0.1);
   expectSame(map, tree);
-  saveBinaryOctree(VoxelMap(VoxelMapConfig()), path);
+  saveBinaryOctree(OctreeStream(VoxelMap(VoxelMapConfig())), path);
   ASSERT_TRUE(tree.readBinary(path));
   EXPECT_EQ(tree.size(), 0U);
   std::remove(path.c_str());
@@ -88,7 +88,7 @@ TEST(OctomapExport, LeavesFillTheKnownSpaceOnce) {
   const VoxelMap map = wallMap();
   const double voxel_m3 = 0.1 * 0.1 * 0.1;
   double volume_m3 = 0.0;
-  for (const OctreeLeaf& leaf : octreeLeaves(map)) {
+  for (const OctreeLeaf& leaf : octreeLeaves(OctreeStream(map))) {
     volume_m3 += leaf.size_m * leaf.size_m * leaf.size_m;
     const Voxel middle = map.voxelAt(leaf.centre_m - Eigen::Vector3d::Constant(0.01));
     EXPECT_EQ(leaf.occupied, middle.state == Occupancy::kOccupied);
@@ -99,7 +99,7 @@ TEST(OctomapExport, LeavesFillTheKnownSpaceOnce) {
 
 TEST(OctomapExport, FullMessageIsWhatAColorOcTreeReads) {
   const VoxelMap map = wallMap();
-  const OctreeMessage message = fullOctree(map);
+  const OctreeMessage message = fullOctree(OctreeStream(map));
   EXPECT_FALSE(message.binary);
   EXPECT_EQ(message.id, "ColorOcTree");
   octomap::ColorOcTree tree(message.resolution_m);
@@ -115,10 +115,10 @@ TEST(OctomapExport, FullMessageIsWhatAColorOcTreeReads) {
 
 TEST(OctomapExport, AnEmptyMapIsAnEmptyTree) {
   const VoxelMap empty{VoxelMapConfig()};
-  EXPECT_TRUE(fullOctree(empty).data.empty());
-  EXPECT_TRUE(binaryOctree(empty).data.empty());
+  EXPECT_TRUE(fullOctree(OctreeStream(empty)).data.empty());
+  EXPECT_TRUE(binaryOctree(OctreeStream(empty)).data.empty());
   const std::string path = testing::TempDir() + "semantic_octree_empty_test.ot";
-  saveOctree(empty, path);
+  saveOctree(OctreeStream(empty), path);
   const std::unique_ptr<octomap::AbstractOcTree> read(octomap::AbstractOcTree::read(path));
   std::remove(path.c_str());
   ASSERT_NE(read, nullptr);

@@ -105,6 +105,8 @@ def parse_arguments():
                       help="Each sequence backwards, from other frames, slower, and with worse pictures, without a network "
                            "and with it")
     part.add_argument("--dense", dest="part", action="store_const", const="dense", help=bench_dense.dense.__doc__)
+    part.add_argument("--publishing", dest="part", action="store_const", const="publishing",
+                      help=bench_dense.publishing.__doc__)
     part.add_argument("--backend", dest="part", action="store_const", const="backend",
                       help="All figures of the first sequence and its map in one table, with --places, --recovery, "
                            "--growth and --loops, each beside what is asked. Takes hours with all --seeds")
@@ -197,6 +199,8 @@ def main():
     elif arguments.part == "dense":
         results, text = bench_dense.dense(run, PROGRAMS, lambda line: print(f"[bench] {line}", flush=True), out_dir, sequences,
                                           arguments.camera, os.path.join(DATA, DEFAULT_SEQUENCES[0]))
+    elif arguments.part == "publishing":
+        results, text = bench_dense.publishing(run, PROGRAMS)
     elif arguments.part == "backend":
         results, text = run_backend(sequences[0], arguments.camera, arguments.runs or 1, arguments.seeds, out_dir)
     elif arguments.part:

@@ -11,6 +11,7 @@ LEAST_NEAR, MOST_BEYOND, LEAST_LABELS_RIGHT = 0.95, 0.01, 0.98
 MOST_LEFT_OVER, LEAST_FOUND_AGAIN = 0.005, 0.95
 MOST_CENTROID_M = 0.10
 MOST_INSERTION_MS = 25
+MOST_PUBLISHING_MS = 10
 MAN_OF_FR1 = "-1.2,0.3,0.5,-0.6,1.15,1.6"  # a man sits behind the monitors of freiburg1_xyz all the time
 
 
@@ -87,3 +88,20 @@ def dense(run, programs, say, out_dir, sequences, camera, empty):
         results[name] = _measure(run, programs, os.path.join(out_dir, "dense", name), options)
         text += sequence_table(name, results[name])
     return results, text
+
+
+def publishing(run, programs):
+    """What it costs to publish the dense map, against its size (ten minutes): CPU ms of each message the first time, and after
+    about 1 % of the map has changed."""
+    sizes = list(json.loads(run([os.path.join(programs, "measure_publishing"), "--rooms", "4"])).values())
+    lines = [f"{'':34}" + "".join(f"{size['floor_m2']:14.0f} m2" for size in sizes)]
+    for key, scale, what in (("voxels", 1e-6, "voxels, millions"), ("points", 1e-6, "points, millions"),
+                             ("memory_mb", 1.0, "memory, MB"), ("blocks_changed", 100.0, "blocks that changed, %"),
+                             ("insertion_ms", 1.0, "insertion of the change, ms")):
+        lines.append(f"{what:34}" + "".join(f"{scale * size[key]:17.2f}" for size in sizes))
+    lines.append(f"CPU ms, at first and after a change (* more than {MOST_PUBLISHING_MS})")
+    for topic in sizes[0]["first_ms"]:
+        after = [size["after_change_ms"][topic] for size in sizes]
+        lines.append(f"{topic:34}" + "".join(f"{size['first_ms'][topic]:9.1f}{ms:7.1f}{'*' if ms > MOST_PUBLISHING_MS else ' '}"
+                                             for size, ms in zip(sizes, after)))
+    return {"sizes": sizes}, "\n".join(lines) + "\n"

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
+#include <cstring>
 #include <utility>
 
 #include "semantic_vslam/core/common/error.h"
@@ -358,25 +359,51 @@ KeyframeStamped toRos(const KeyframePose& pose, const std::string& map_frame, st
   return message;
 }
 
-sensor_msgs::PointCloud2Ptr toRos(const std::vector<LabelledPoint>& points, const std_msgs::Header& header) {
-  using sensor_msgs::PointField;
-  auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
-  cloud->header = header;
-  cloud->is_dense = true;
-  sensor_msgs::PointCloud2Modifier modifier(*cloud);
-  modifier.setPointCloud2Fields(5, "x", 1, PointField::FLOAT32, "y", 1, PointField::FLOAT32, "z", 1,
-                                PointField::FLOAT32, "rgb", 1, PointField::FLOAT32, "label", 1, PointField::UINT8);
-  modifier.resize(points.size());
-  sensor_msgs::PointCloud2Iterator<float> xyz(*cloud, "x");
-  sensor_msgs::PointCloud2Iterator<std::uint8_t> bgr(*cloud, "rgb"), label(*cloud, "label");
-  for (const LabelledPoint& point : points) {
-    for (int i = 0; i < 3; ++i) xyz[i] = point.xyz_m[i];
-    for (int i = 0; i < 3; ++i) bgr[i] = point.bgr[i];
-    bgr[3] = 0;
-    *label = point.label;
-    ++xyz, ++bgr, ++label;
+namespace {
+
+/// Points of the map one after another into a message of known size: a map has millions.
+class CloudWriter {
+ public:
+  CloudWriter(std::size_t points, const std_msgs::Header& header)
+      : cloud_(boost::make_shared<sensor_msgs::PointCloud2>()) {
+    using sensor_msgs::PointField;
+    cloud_->header = header;
+    cloud_->is_dense = true;
+    sensor_msgs::PointCloud2Modifier modifier(*cloud_);
+    modifier.setPointCloud2Fields(5, "x", 1, PointField::FLOAT32, "y", 1, PointField::FLOAT32, "z", 1,
+                                  PointField::FLOAT32, "rgb", 1, PointField::FLOAT32, "label", 1, PointField::UINT8);
+    modifier.resize(points);
+    next_ = cloud_->data.data();
   }
-  return cloud;
+
+  void add(const std::vector<LabelledPoint>& points) {
+    const std::size_t rgb = cloud_->fields[3].offset, label = cloud_->fields[4].offset, step = cloud_->point_step;
+    for (const LabelledPoint& point : points) {
+      std::memcpy(next_, point.xyz_m.val, sizeof(point.xyz_m.val));
+      std::memcpy(next_ + rgb, point.bgr.val, sizeof(point.bgr.val));  // the fourth byte is 0
+      next_[label] = point.label;
+      next_ += step;
+    }
+  }
+  const sensor_msgs::PointCloud2Ptr& cloud() const { return cloud_; }
+
+ private:
+  sensor_msgs::PointCloud2Ptr cloud_;
+  std::uint8_t* next_;
+};
+
+}  // namespace
+
+sensor_msgs::PointCloud2Ptr toRos(const std::vector<LabelledPoint>& points, const std_msgs::Header& header) {
+  CloudWriter writer(points.size(), header);
+  writer.add(points);
+  return writer.cloud();
+}
+
+sensor_msgs::PointCloud2Ptr toRos(const SurfaceCloud& cloud, const std_msgs::Header& header) {
+  CloudWriter writer(cloud.size(), header);
+  cloud.forEachPart([&](const std::vector<LabelledPoint>& part) { writer.add(part); });
+  return writer.cloud();
 }
 
 namespace {

@@ -28,6 +28,7 @@
 #include "core/dense/map_objects.h"
 #include "core/dense/occupancy_grid.h"
 #include "core/dense/octomap_export.h"
+#include "core/dense/surface_cloud.h"
 #include "semantic_vslam/core/camera/rgbd_frame.h"
 #include "semantic_vslam/core/common/label_set.h"
 #include "semantic_vslam/core/common/stamp.h"
@@ -105,6 +106,7 @@ KeyframeStamped toRos(const KeyframePose& pose, const std::string& map_frame, st
 
 /// Unordered cloud with the fields x y z (float32, metres), rgb (packed, as rviz and PCL expect) and label (uint8).
 sensor_msgs::PointCloud2Ptr toRos(const std::vector<LabelledPoint>& points, const std_msgs::Header& header);
+sensor_msgs::PointCloud2Ptr toRos(const SurfaceCloud& cloud, const std_msgs::Header& header);
 
 ObjectArray messageOf(const std::vector<MapObject>& objects, const LabelSet& labels, const std_msgs::Header& header);
 /// A box and a text with class and id for each object, for rviz; the first marker removes those of before.

@@ -3,6 +3,7 @@
 #include "ros/map_messages.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "ros/conversions.h"
 #include "ros/octomap_conversions.h"
@@ -11,29 +12,17 @@ namespace semantic_vslam {
 
 using State = MapMessages::State;
 
-const std::vector<LabelledPoint>& State::points() {
-  if (!points_) points_ = map_.cloud();
-  return *points_;
-}
-
-const std::vector<OctreeLeaf>& State::leaves() {
-  if (!leaves_) leaves_ = map_.octreeLeaves();
-  return *leaves_;
-}
-
 const std::vector<MapObject>& State::found() {
-  if (!found_) found_ = owner_.findObjects(points(), map_);
+  if (!found_) found_ = owner_.findObjects(map_);
   return *found_;
 }
 
-sensor_msgs::PointCloud2Ptr State::cloud() { return toRos(points(), header_); }
+sensor_msgs::PointCloud2Ptr State::cloud() { return toRos(map_.surfaceCloud(), header_); }
 octomap_msgs::Octomap State::binaryOctomap() { return toRos(map_.binaryOctree(), header_); }
 octomap_msgs::Octomap State::fullOctomap() { return toRos(map_.fullOctree(), header_); }
-sensor_msgs::PointCloud2Ptr State::centres() { return occupiedCentres(leaves(), header_); }
+sensor_msgs::PointCloud2Ptr State::centres() { return occupiedCentres(map_.octree(), header_); }
 
-visualization_msgs::MarkerArray State::cells(bool occupied) {
-  return cubeMarkers(leaves(), occupied, map_.voxelMap().resolution(), header_);
-}
+visualization_msgs::MarkerArray State::cells(bool occupied) { return cubeMarkers(map_.octree(), occupied, header_); }
 
 std::optional<nav_msgs::OccupancyGrid> State::grid() {
   // Keyframe poses arrive in the map frame, whose z is up already.
@@ -45,9 +34,13 @@ std::optional<nav_msgs::OccupancyGrid> State::grid() {
 ObjectArray State::objects() { return messageOf(found(), labels_, header_); }
 visualization_msgs::MarkerArray State::objectMarkers() { return toRos(found(), labels_, header_); }
 
-std::vector<MapObject> MapMessages::findObjects(const std::vector<LabelledPoint>& cloud, const DenseMapper& map) {
+std::vector<MapObject> MapMessages::findObjects(const DenseMapper& map) {
+  std::vector<LabelledPoint> labelled;
+  map.surfaceCloud().forEachPart([&](const std::vector<LabelledPoint>& part) {
+    std::copy_if(part.begin(), part.end(), std::back_inserter(labelled), [](const auto& p) { return p.label != 0; });
+  });
   std::vector<MapObject> objects =
-      semantic_vslam::findObjects(cloud, config_, [&](const auto& point) { return map.evidenceAt(point); });
+      semantic_vslam::findObjects(labelled, config_, [&](const auto& point) { return map.evidenceAt(point); });
   const std::vector<KeyframePose> poses = map.poses();
   // A closed loop moves what a keyframe saw with that keyframe.
   object_list_.giveIds(objects, [&](const MapObject& object) {

@@ -40,17 +40,13 @@ class MapMessages {
     friend MapMessages;
     State(MapMessages& owner, const DenseMapper& map, const LabelSet& labels, std_msgs::Header header)
         : owner_(owner), map_(map), labels_(labels), header_(std::move(header)) {}
-    const std::vector<LabelledPoint>& points();
-    const std::vector<OctreeLeaf>& leaves();
     const std::vector<MapObject>& found();
 
     MapMessages& owner_;
     const DenseMapper& map_;
     const LabelSet& labels_;
     const std_msgs::Header header_;
-    std::optional<std::vector<LabelledPoint>> points_;
     std::optional<std::vector<MapObject>> found_;
-    std::optional<std::vector<OctreeLeaf>> leaves_;
   };
   /// @param header  of the messages; its frame is the map's, whose z is up
   State of(const DenseMapper& map, const LabelSet& labels, std_msgs::Header header) {
@@ -58,7 +54,7 @@ class MapMessages {
   }
 
  private:
-  std::vector<MapObject> findObjects(const std::vector<LabelledPoint>& cloud, const DenseMapper& map);
+  std::vector<MapObject> findObjects(const DenseMapper& map);
 
   const MapObjectsConfig config_;
   ObjectList object_list_;

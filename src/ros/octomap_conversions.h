@@ -7,8 +7,6 @@
 #include <std_msgs/Header.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include <vector>
-
 #include "core/dense/octomap_export.h"
 
 /// The dense map in the messages of octomap_server.
@@ -16,10 +14,9 @@ namespace semantic_vslam {
 
 octomap_msgs::Octomap toRos(OctreeMessage octree, const std_msgs::Header& header);
 /// Centres of the occupied leaves, of any size: x y z (float32, metres).
-sensor_msgs::PointCloud2Ptr occupiedCentres(const std::vector<OctreeLeaf>& leaves, const std_msgs::Header& header);
+sensor_msgs::PointCloud2Ptr occupiedCentres(const OctreeStream& tree, const std_msgs::Header& header);
 /// A list of cubes for each size of leaf: the occupied ones in their colours, or the free ones in green. Sizes that no
 /// leaf has are deleted.
-visualization_msgs::MarkerArray cubeMarkers(const std::vector<OctreeLeaf>& leaves, bool occupied, double resolution_m,
-                                            const std_msgs::Header& header);
+visualization_msgs::MarkerArray cubeMarkers(const OctreeStream& tree, bool occupied, const std_msgs::Header& header);
 
 }  // namespace semantic_vslam

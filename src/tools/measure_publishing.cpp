@@ -57,17 +57,22 @@ SE3 inRoom(const View& view, std::size_t room, const Eigen::Vector3d& size_m) {
   return Eigen::Translation3d(static_cast<double>(room) * (size_m.x() + kApartM), 0.0, 0.0) * view.T_world_camera;
 }
 
-/// A part of a view in the middle of the picture, and a box that stands there.
-RgbdFrame partOf(const View& view, double share) {
-  RgbdFrame part = view.frame;
+/// A part of a view in the middle of the picture, and a box that stands there; the rest says nothing.
+struct Part {
+  RgbdFrame frame;
+  cv::Mat1b excluded;
+};
+Part partOf(const View& view, double share) {
+  Part part{view.frame, cv::Mat1b(view.frame.depth_m.size(), std::uint8_t{255})};
   const double side = std::sqrt(share);
-  const int width = static_cast<int>(side * part.depth_m.cols), height = static_cast<int>(side * part.depth_m.rows);
-  const cv::Rect seen((part.depth_m.cols - width) / 2, (part.depth_m.rows - height) / 2, width, height);
-  cv::Mat1f depth_m = cv::Mat1f::zeros(part.depth_m.size());
-  part.depth_m(seen).copyTo(depth_m(seen));
-  const cv::Rect box(seen.x + width / 3, seen.y + height / 3, width / 3, height / 3);
-  for (float& z_m : depth_m(box)) z_m = std::max(0.0F, z_m - 0.2F);
-  part.depth_m = depth_m;
+  const int width = static_cast<int>(side * part.excluded.cols), height = static_cast<int>(side * part.excluded.rows);
+  const cv::Rect seen((part.excluded.cols - width) / 2, (part.excluded.rows - height) / 2, width, height);
+  part.excluded(seen) = 0;
+  cv::Mat1f depth_m = cv::Mat1f::zeros(part.excluded.size());
+  part.frame.depth_m(seen).copyTo(depth_m(seen));
+  cv::Mat1f box = depth_m(cv::Rect(seen.x + width / 3, seen.y + height / 3, width / 3, height / 3));
+  for (float& z_m : box) z_m = std::max(0.0F, z_m - 0.2F);
+  part.frame.depth_m = depth_m;
   return part;
 }
 
@@ -88,9 +93,10 @@ const std::vector<std::pair<std::string, std::function<void(Messages&)>>>& topic
 }
 
 /// CPU ms of each message as if it alone were watched.
-std::vector<double> publish(MapMessages& messages, const DenseMapper& map) {
+std::vector<double> publish(MapMessages& messages, const DenseMapper& map, bool first) {
   std::vector<double> ms;
   for (const auto& [name, make] : topics()) {
+    if (first) map.forgetParts();
     Messages state = messages.of(map, map.labels(), std_msgs::Header());
     const StepClock clock;
     make(state);
@@ -105,16 +111,21 @@ void measure(DenseMapper& mapper, const std::vector<View>& views, std::size_t ro
   constexpr int kChanges = 5;
   constexpr double kShareOfView = 0.02;  // for each room: about 1 % of its blocks
   MapMessages messages{MapObjectsConfig()};
-  const std::vector<double> first = publish(messages, mapper);
+  const std::vector<double> first = publish(messages, mapper, true);
+  publish(messages, mapper, false);
   std::vector<std::vector<double>> after(topics().size());
-  std::vector<double> insertion;
+  std::vector<double> insertion, changed;
   for (int change = 0; change < kChanges; ++change) {
     const View& view = views[(change + 1) * views.size() / (kChanges + 1)];
-    const RgbdFrame part = partOf(view, std::min(1.0, kShareOfView * static_cast<double>(rooms)));
+    const Part part = partOf(view, std::min(1.0, kShareOfView * static_cast<double>(rooms)));
+    const std::uint32_t revision = mapper.voxelMap().revision();
     const StepClock clock;
-    mapper.add(KeyframeId(next_id++), part, view.labels, {}, inRoom(view, change % rooms, size_m));
+    mapper.add(KeyframeId(next_id++), part.frame, view.labels, part.excluded, inRoom(view, change % rooms, size_m));
     insertion.push_back(clock.elapsed().cpu_ms);
-    const std::vector<double> ms = publish(messages, mapper);
+    const std::vector<VoxelBlock>& blocks = mapper.voxelMap().blocks();
+    const auto news = std::count_if(blocks.begin(), blocks.end(), [&](const auto& b) { return b.changed > revision; });
+    changed.push_back(static_cast<double>(news) / static_cast<double>(blocks.size()));
+    const std::vector<double> ms = publish(messages, mapper, false);
     for (std::size_t i = 0; i < ms.size(); ++i) after[i].push_back(ms[i]);
   }
   const OccupancyGrid grid = mapper.projectedMap(SE3::Identity());
@@ -124,6 +135,9 @@ void measure(DenseMapper& mapper, const std::vector<View>& views, std::size_t ro
   json.field("voxels", mapper.voxels());
   json.field("points", mapper.cloud().size());
   json.field("memory_mb", 1e-6 * static_cast<double>(mapper.memoryBytes()));
+  json.field("voxels_mb", 1e-6 * static_cast<double>(mapper.voxelMap().memoryBytes()));
+  json.field("blocks", mapper.voxelMap().blocks().size());
+  json.field("blocks_changed", quantile(changed, 0.5));
   json.field("insertion_ms", quantile(insertion, 0.5));
   for (const bool again : {false, true}) {
     json.beginObject(again ? "after_change_ms" : "first_ms");

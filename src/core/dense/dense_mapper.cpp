@@ -50,11 +50,6 @@ double thinnedM(const DenseConfig& config) {
   return std::max(config.voxels.resolution_m / 2.0, config.cloud_resolution_m);
 }
 
-cv::Vec3f transform(const SE3& T, const cv::Vec3f& p) {
-  const Eigen::Vector3f q = (T * Eigen::Vector3d(p[0], p[1], p[2])).cast<float>();
-  return {q.x(), q.y(), q.z()};
-}
-
 /// The keyframe nearest in time: ids are given in that order. Not the nearest in space, which may be of another visit
 /// of the place, with other drift.
 /// @param keyframes  a map by id, not empty
@@ -70,7 +65,7 @@ auto nearestInTime(Keyframes& keyframes, KeyframeId id) {
 }  // namespace
 
 DenseMapper::DenseMapper(const DenseConfig& config, const LabelSet& labels)
-    : config_(validated(config)), labels_(labels), served_{VoxelMap(config.voxels), {}, {}, {}} {}
+    : config_(validated(config)), labels_(labels), served_(emptyVersion()) {}
 
 bool DenseMapper::add(KeyframeId id, const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& dynamic,
                       const SE3& T_world_camera) {
@@ -139,14 +134,14 @@ bool DenseMapper::inReach(const SE3& T_world_camera) {
 void DenseMapper::integrate(const DenseKeyframe& keyframe, const SE3& T_world_camera, Version& version) const {
   version.voxels.integrate(keyframe.cloud.points, keyframe.view, T_world_camera);
   version.T_world_camera[keyframe.cloud.keyframe] = T_world_camera;
-  version.stamps.push_back(keyframe.cloud.stamp);
+  version.frames.push_back({keyframe.cloud.stamp, keyframe.cloud.keyframe});
 }
 
 /// Its keyframe is in the version already.
 void DenseMapper::integrate(const DenseLook& look, Version& version) const {
   version.voxels.integrate(look.cloud.points, look.view,
                            version.T_world_camera.at(look.cloud.keyframe) * look.T_keyframe_camera);
-  version.stamps.push_back(look.cloud.stamp);
+  version.frames.push_back({look.cloud.stamp, look.cloud.keyframe});
 }
 
 SE3 DenseMapper::poseAmong(const std::map<KeyframeId, SE3>& T_world_camera, KeyframeId id) const {
@@ -171,12 +166,34 @@ void DenseMapper::updatePoses(const std::vector<KeyframePose>& poses) {
   }
   for (const auto& [id, T_world_camera] : optimised) keyframes_.at(id).T_world_camera = T_world_camera;
   forgetOldCulled();
+  keepToBudget();  // what was made for who is served counts, too
   if (!busy() && stale()) startRebuild();
   work();
 }
 
-void DenseMapper::startRebuild() {
-  next_.emplace(Version{VoxelMap(config_.voxels), {}, {}, {}});
+/// What keyframes saw last that had to go for want of memory: nobody can build it again.
+void DenseMapper::carryOver(const Eigen::AlignedBox3d& forgotten_m) {
+  std::map<std::uint32_t, std::uint32_t> numbers;
+  const auto renumber = [&](std::uint32_t before) {
+    const auto [number, is_new] = numbers.emplace(before, static_cast<std::uint32_t>(next_->frames.size() + 1));
+    if (is_new) next_->frames.push_back(served_.frames[before - 1]);
+    return number->second;
+  };
+  const double block_m = kBlockSide * config_.voxels.resolution_m;
+  const auto is_left = [&](const VoxelBlock& block) {
+    const Eigen::Vector3d low = blockCorner(block.key).cast<double>() * config_.voxels.resolution_m;
+    const Eigen::AlignedBox3d box(low, low.array() + block_m);
+    return let_go_.count(served_.frames[block.changed - 1].keyframe) > 0 && !box.intersects(forgotten_m);
+  };
+  next_->voxels.takeOver(served_.voxels, is_left, renumber);
+  std::set<KeyframeId> left;
+  for (const Integrated& frame : next_->frames) left.insert(frame.keyframe);
+  let_go_.swap(left);
+}
+
+void DenseMapper::startRebuild(const Eigen::AlignedBox3d& forgotten_m) {
+  next_.emplace(emptyVersion());
+  if (!let_go_.empty()) carryOver(forgotten_m);
   due_.clear();
   for (const auto& [id, keyframe] : keyframes_) {
     due_.push_back({keyframe.order, id});
@@ -208,6 +225,7 @@ void DenseMapper::work() {
     for (const DenseLook& look : kept.looks) {
       if (look.order == due.order) integrate(look, *next_);
     }
+    keepVoxelsToBudget(*next_);
   }
   served_ = std::move(*next_);
   next_.reset();
@@ -220,28 +238,62 @@ void DenseMapper::finish() {
   while (busy()) work();
 }
 
+std::size_t DenseMapper::neededBytes() const {
+  const std::size_t voxels = std::max(served_.voxels.memoryBytes(), next_ ? next_->voxels.memoryBytes() : 0);
+  return kept_bytes_ + 2 * voxels + served_.partsBytes();
+}
+
 void DenseMapper::keepToBudget() {
-  const auto budget_bytes = static_cast<std::size_t>(config_.memory_mb) << 20;
-  for (auto it = keyframes_.begin(); it != keyframes_.end() && kept_bytes_ > budget_bytes; ++it) {
+  const auto tooMany = [&] { return neededBytes() > budgetBytes(); };
+  for (auto it = keyframes_.begin(); it != keyframes_.end() && tooMany(); ++it) {
     kept_bytes_ -= bytesOf(it->second);
     it->second.looks.clear();
     kept_bytes_ += bytesOf(it->second);
   }
-  for (auto it = keyframes_.begin(); it != keyframes_.end() && kept_bytes_ > budget_bytes; ++it) {
+  for (auto it = keyframes_.begin(); it != keyframes_.end() && tooMany(); ++it) {
     DenseKeyframe& kept = it->second;
     if (std::exchange(kept.thinned, true) || thinnedM(config_) <= config_.cloud_resolution_m) continue;
     kept_bytes_ -= bytesOf(kept);
     kept.cloud.points = voxelFilter(kept.cloud.points, thinnedM(config_));
     kept_bytes_ += bytesOf(kept);
   }
-  if (kept_bytes_ <= budget_bytes) return;
+  if (neededBytes() <= budgetBytes()) return;
   if (!std::exchange(warned_, true)) {
-    logWarning("the dense map's keyframes fill dense.memory_mb (" + std::to_string(config_.memory_mb) +
-               "): those that the sparse map has dropped are forgotten, those that it holds are not");
+    logWarning("the dense map fills dense.memory_mb (" + std::to_string(config_.memory_mb) +
+               "): of keyframes that the sparse map has dropped and of those far away only the voxels stay, and where "
+               "these are too many, those near the camera");
   }
-  for (auto it = keyframes_.begin(); it != keyframes_.end() && kept_bytes_ > budget_bytes;) {
+  for (auto it = keyframes_.begin(); it != keyframes_.end() && tooMany();) {
     it = it->second.culled ? forget(it) : std::next(it);
   }
+  letGoFarKeyframes();
+  if (served_.partsBytes() > budgetBytes() / 3) forgetParts();
+  keepVoxelsToBudget(served_);
+}
+
+/// A third of the memory is the keyframes', whatever the voxels need.
+void DenseMapper::letGoFarKeyframes() {
+  if (keyframes_.empty()) return;
+  const std::size_t least_bytes = budgetBytes() / 3;
+  const Eigen::Vector3d here = keyframes_.rbegin()->second.T_world_camera.translation();
+  std::vector<std::pair<double, KeyframeId>> far_m;
+  for (const auto& [id, kept] : keyframes_) far_m.emplace_back((kept.T_world_camera.translation() - here).norm(), id);
+  far_m.pop_back();  // the newest stays
+  std::stable_sort(far_m.begin(), far_m.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (const auto& [distance_m, id] : far_m) {
+    if (kept_bytes_ <= least_bytes || neededBytes() <= budgetBytes()) return;
+    let_go_.insert(id);
+    forget(keyframes_.find(id));
+  }
+}
+
+void DenseMapper::keepVoxelsToBudget(Version& version) const {
+  if (keyframes_.empty() || neededBytes() <= budgetBytes()) return;
+  constexpr double kRoom = 0.95;  // not with every keyframe again
+  const std::size_t others = std::min(kept_bytes_ + served_.partsBytes(), budgetBytes() * 2 / 3);
+  const double most = kRoom * static_cast<double>(budgetBytes() - others) / 2.0;
+  version.voxels.forgetFarthest(keyframes_.rbegin()->second.T_world_camera.translation(),
+                                static_cast<std::size_t>(most));
 }
 
 void DenseMapper::forgetOldCulled() {
@@ -264,31 +316,32 @@ std::map<KeyframeId, DenseKeyframe>::iterator DenseMapper::forget(
   return keyframes_.erase(keyframe);
 }
 
-std::vector<LabelledPoint> DenseMapper::cloud() const {
-  constexpr double kPoseErrorM = 0.015;
-  std::vector<LabelledPoint> points;
-  const auto take = [&](const KeyframeCloud& cloud, const SE3& T_world_camera) {
-    for (LabelledPoint point : cloud.points) {
-      const auto depth_m = static_cast<double>(point.xyz_m[2]);
-      point.xyz_m = transform(T_world_camera, point.xyz_m);
-      // Farther from the surface than noise brings it, a point is of something else, which is gone.
-      const double most_m = kPoseErrorM + 3.0 * config_.keyframe.depth_noise.surfaces_m * depth_m * depth_m;
-      if (!served_.voxels.moveOntoSurface(point, most_m)) continue;
-      const Voxel voxel = served_.voxels.voxelAt(point.position());
-      if (voxel.state == Occupancy::kOccupied) points.push_back({point.xyz_m, point.bgr, voxel.label});
-    }
-  };
+const SurfaceCloud& DenseMapper::surfaceCloud() const {
+  std::vector<CloudSource> sources;
   for (const auto& [id, T_world_camera] : served_.T_world_camera) {
     const DenseKeyframe& keyframe = keyframes_.at(id);
-    take(keyframe.cloud, T_world_camera);
-    for (const DenseLook& look : keyframe.looks) take(look.cloud, T_world_camera * look.T_keyframe_camera);
+    sources.push_back({keyframe.order, &keyframe.cloud.points, T_world_camera});
+    for (const DenseLook& look : keyframe.looks) {
+      sources.push_back({look.order, &look.cloud.points, T_world_camera * look.T_keyframe_camera});
+    }
   }
-  return voxelFilter(points, config_.cloud_resolution_m);
+  std::sort(sources.begin(), sources.end(), [](const auto& a, const auto& b) { return a.order < b.order; });
+  served_.cloud.update(
+      served_.voxels, sources,
+      {config_.cloud_resolution_m, config_.keyframe.depth_noise.surfaces_m, config_.keyframe.max_depth_m});
+  return served_.cloud;
+}
+
+void DenseMapper::forgetParts() const {
+  served_.octree = OctreeStream();
+  served_.cloud = SurfaceCloud();
+  served_.grid = GridProjection();
+  served_.floor.reset();
 }
 
 SurfaceEvidence DenseMapper::evidenceAt(const Eigen::Vector3d& point_world) const {
   const Voxel voxel = served_.voxels.voxelAt(point_world);
-  return {voxel.label_share, voxel.last_hit > 0 ? served_.stamps[voxel.last_hit - 1] : Stamp()};
+  return {voxel.label_share, voxel.last_hit > 0 ? served_.frames[voxel.last_hit - 1].stamp : Stamp()};
 }
 
 std::vector<KeyframePose> DenseMapper::poses() const {
@@ -312,10 +365,15 @@ std::vector<TimedPose> DenseMapper::views() const {
   return views;
 }
 
-OccupancyGrid DenseMapper::projectedMap(const SE3& T_map_world) const {
+std::optional<Floor> DenseMapper::floor(const SE3& T_map_world) const {
   constexpr std::size_t kPatience = 20;  // keyframes without a floor, until it is said
-  if (!config_.grid.find_floor) return projectToGrid(served_.voxels, T_map_world, config_.grid);
-  const std::optional<Floor> floor = floorOf(served_.voxels, T_map_world, config_.grid);
+  constexpr std::size_t kChange = 10;    // the reciprocal share of the surface
+  std::optional<HeldFloor>& held = served_.floor;
+  if (!held || !held->T_map_world.isApprox(T_map_world, 0.0) ||
+      kChange * (served_.grid.occupiedChanges() - held->occupied_changes) >= served_.grid.occupied()) {
+    held = {T_map_world, served_.grid.occupiedChanges(), floorOf(served_.voxels, T_map_world, config_.grid)};
+  }
+  const std::optional<Floor>& floor = held->floor;
   if (floor && std::exchange(floor_told_, FloorTold::kFound) != FloorTold::kFound) {
     char text[120];
     std::snprintf(text, sizeof(text), "floor found at %.2f m in the map frame, tilted by %.1f degrees",
@@ -325,11 +383,21 @@ OccupancyGrid DenseMapper::projectedMap(const SE3& T_map_world) const {
     floor_told_ = FloorTold::kMissing;
     logWarning("no floor is seen: the grid counts heights from dense.grid.floor_height_m of the map frame");
   }
-  return floor ? projectToGrid(served_.voxels, T_map_world, config_.grid, *floor)
-               : projectToGrid(served_.voxels, T_map_world, config_.grid);
+  return floor;
+}
+
+OccupancyGrid DenseMapper::projectedMap(const SE3& T_map_world) const {
+  served_.grid.update(served_.voxels);
+  const std::optional<Floor> seen = config_.grid.find_floor ? floor(T_map_world) : std::nullopt;
+  const Floor level{Eigen::Vector3d::UnitZ(), config_.grid.floor_height_m};
+  return served_.grid.project(T_map_world, config_.grid, seen.value_or(level));
 }
 
 void DenseMapper::saveCloud(const std::string& path) const { writePcd(cloud(), labels_, path); }
+
+DenseMapper::Version DenseMapper::emptyVersion() const {
+  return {VoxelMap(config_.voxels), {}, {}, {}, {}, {}, std::nullopt};
+}
 
 const OctreeStream& DenseMapper::octree() const {
   served_.octree.update(served_.voxels);
@@ -357,7 +425,7 @@ void DenseMapper::clearBox(const Eigen::AlignedBox3d& box_m) {
     forgetInside(kept.cloud.points, kept.T_world_camera);
     for (DenseLook& look : kept.looks) forgetInside(look.cloud.points, kept.T_world_camera * look.T_keyframe_camera);
   }
-  startRebuild();
+  startRebuild(box_m);
   finish();
 }
 
@@ -367,8 +435,9 @@ void DenseMapper::clear() {
   keyframes_.clear();
   kept_bytes_ = 0;
   next_order_ = 0;
+  let_go_.clear();
   next_.reset();
-  served_ = Version{VoxelMap(config_.voxels), {}, {}, {}};
+  served_ = emptyVersion();
 }
 
 DenseMapContent DenseMapper::content(std::uint32_t map_id) const {
@@ -392,7 +461,7 @@ void DenseMapper::restore(std::vector<DenseKeyframe> keyframes) {
 }
 
 std::size_t DenseMapper::memoryBytes() const {
-  return kept_bytes_ + served_.voxels.memoryBytes() + (next_ ? next_->voxels.memoryBytes() : 0);
+  return kept_bytes_ + served_.voxels.memoryBytes() + (next_ ? next_->voxels.memoryBytes() : 0) + served_.partsBytes();
 }
 
 }  // namespace semantic_vslam

@@ -7,6 +7,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "core/dense/map_objects.h"
 #include "core/dense/occupancy_grid.h"
 #include "core/dense/octomap_export.h"
+#include "core/dense/surface_cloud.h"
 #include "core/dense/voxel_map.h"
 #include "semantic_vslam/core/dense/dense_config.h"
 #include "semantic_vslam/core/geometry/timed_pose.h"
@@ -27,10 +29,14 @@ namespace semantic_vslam {
 /// Memory: of the keyframes that the sparse map dropped, the newest are held, two for each that it has: the older ones
 /// are forgotten. Their points leave the cloud at once, the voxels that only they saw at the next rebuild. Those are
 /// few, since the sparse map drops a keyframe when three others see most of what it sees. So memory grows with the
-/// space seen, not with time. Above memory_mb old clouds are thinned to half a voxel: the cloud gets coarser, the
-/// voxels keep all they had. When that is not enough, all dropped keyframes may be forgotten, with one warning.
+/// space seen, not with time. memory_mb bounds all of it: kept keyframes, voxels, twice, since a rebuild makes them
+/// anew beside the old ones, and what is kept for who is served. Above it, with one warning: looks are forgotten, old
+/// clouds are thinned to half a voxel (the cloud gets coarser, the voxels keep all they had), dropped keyframes are
+/// forgotten, and then, while keyframes hold more than a third, those farthest from the newest: their points leave the
+/// cloud; what they saw last stays in the voxels, but follows no loop any more. If that is not enough, the voxels
+/// farthest from the newest keyframe go.
 ///
-/// Knows no thread: the caller serialises all calls. Not cheap, and const: cloud, grid, octree and saving.
+/// Knows no thread: the caller serialises all calls. Const, and dear only the first time: cloud, grid and octree.
 class DenseMapper {
  public:
   /// @throws ConfigError
@@ -67,13 +73,16 @@ class DenseMapper {
 
   /// One point per cube of cloud_resolution_m on an occupied voxel: mean position and colour, label by the votes of all
   /// keyframes. World frame, in a fixed order.
-  std::vector<LabelledPoint> cloud() const;
+  std::vector<LabelledPoint> cloud() const { return surfaceCloud().points(); }
+  /// The same in parts, with what changed since the last call made anew.
+  const SurfaceCloud& surfaceCloud() const;
   /// What the map knows of a point on its surface: for findObjects().
   SurfaceEvidence evidenceAt(const Eigen::Vector3d& point_world) const;
-  /// Heights are counted from the floor that the map shows, see floorOf(); what it finds is said once in the log.
+  /// Heights are counted from the floor that the map shows, see floorOf(); it is looked for again when a tenth of the
+  /// surface has changed. What it finds is said once in the log.
   /// @param T_map_world  into a frame with z up
   OccupancyGrid projectedMap(const SE3& T_map_world) const;
-  std::vector<OctreeLeaf> octreeLeaves() const { return semantic_vslam::octreeLeaves(octree()); }
+  const OctreeStream& octree() const;
   OctreeMessage binaryOctree() const { return semantic_vslam::binaryOctree(octree()); }
   OctreeMessage fullOctree() const { return semantic_vslam::fullOctree(octree()); }
 
@@ -95,6 +104,10 @@ class DenseMapper {
   /// Takes saved keyframes in the place of the present ones and builds the map from them.
   void restore(std::vector<DenseKeyframe> keyframes);
 
+  /// Forgets the parts that clouds, octrees and grids are put together from, and the floor: the next ones are made
+  /// anew.
+  void forgetParts() const;
+
   const VoxelMap& voxelMap() const { return served_.voxels; }
   const LabelSet& labels() const { return labels_; }
   std::size_t voxels() const { return served_.voxels.size(); }  ///< known, in the served map
@@ -105,16 +118,31 @@ class DenseMapper {
   std::vector<TimedPose> views() const;
   std::size_t forgotten() const { return forgotten_; }  ///< keyframes that are held no more
   std::size_t rebuilds() const { return rebuilds_; }    ///< completed
-  std::size_t memoryBytes() const;                      ///< of the kept clouds and the voxel maps
+  /// Of the kept clouds, the voxel maps and what is kept for who is served.
+  std::size_t memoryBytes() const;
 
  private:
+  struct Integrated {
+    Stamp stamp;
+    KeyframeId keyframe;  ///< it, or the one that a look lies beside
+  };
+  /// The floor that heights are counted from until a tenth of the surface has changed.
+  struct HeldFloor {
+    SE3 T_map_world;
+    std::size_t occupied_changes = 0;  ///< GridProjection's when it was looked for
+    std::optional<Floor> floor;
+  };
   /// A map with the poses it was built from.
   struct Version {
     VoxelMap voxels;
     std::map<KeyframeId, SE3> T_world_camera;
-    std::vector<Stamp> stamps;  ///< of all that was integrated, in that order
+    std::vector<Integrated> frames;  ///< in the order in which they were integrated
     // What was made of it for who is served, part by part: only what changed since is made again.
     mutable OctreeStream octree;
+    mutable SurfaceCloud cloud;
+    mutable GridProjection grid;
+    mutable std::optional<HeldFloor> floor;
+    std::size_t partsBytes() const { return octree.memoryBytes() + cloud.memoryBytes() + grid.memoryBytes(); }
   };
   /// A keyframe or a look that a rebuild has still to take in.
   struct Due {
@@ -122,17 +150,24 @@ class DenseMapper {
     KeyframeId keyframe;
   };
 
+  Version emptyVersion() const;
   bool usable(const RgbdFrame& frame, const cv::Mat1b& labels, const cv::Mat1b& dynamic, const SE3& T_world_camera);
   bool inReach(const SE3& T_world_camera);
   void integrate(const DenseKeyframe& keyframe, const SE3& T_world_camera, Version& version) const;
   void integrate(const DenseLook& look, Version& version) const;
-  const OctreeStream& octree() const;
-  void startRebuild();
+  std::optional<Floor> floor(const SE3& T_map_world) const;
+  /// @param forgotten_m  where nothing stays of keyframes that are held no more
+  void startRebuild(const Eigen::AlignedBox3d& forgotten_m = {});
+  void carryOver(const Eigen::AlignedBox3d& forgotten_m);
   /// Where a keyframe lies among other poses than the newest: as it lies to the one of them that is nearest in time.
   SE3 poseAmong(const std::map<KeyframeId, SE3>& T_world_camera, KeyframeId id) const;
   bool stale() const;
   void forgetOldCulled();
   void keepToBudget();
+  std::size_t budgetBytes() const { return static_cast<std::size_t>(config_.memory_mb) << 20; }
+  std::size_t neededBytes() const;
+  void letGoFarKeyframes();
+  void keepVoxelsToBudget(Version& version) const;
   std::map<KeyframeId, DenseKeyframe>::iterator forget(std::map<KeyframeId, DenseKeyframe>::iterator keyframe);
 
   DenseConfig config_;
@@ -142,6 +177,7 @@ class DenseMapper {
   enum class FloorTold { kNothing, kMissing, kFound };
   mutable FloorTold floor_told_ = FloorTold::kNothing;  ///< what the log has; changes nothing that is served
   bool warned_ = false;                                 ///< that memory_mb is used up
+  std::set<KeyframeId> let_go_;                         ///< for want of memory; what they saw last stays in the voxels
   bool warned_of_reach_ = false;                        ///< that a pose is out of reach
   Version served_;
   std::optional<Version> next_;

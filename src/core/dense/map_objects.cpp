@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <cstdint>
 #include <opencv2/imgproc.hpp>
+#include <unordered_map>
 #include <utility>
 
 #include "semantic_vslam/core/common/config_fields.h"
@@ -14,18 +15,47 @@
 namespace semantic_vslam {
 namespace {
 
-using CellKey = std::array<int, 4>;                                  ///< label, x, y, z: ordered, so that the result is
-using Cells = std::map<CellKey, std::vector<const LabelledPoint*>>;  ///< empty: taken
+/// Label, x, y and z, 16 bits each: ordered, so that the result is.
+using CellKey = std::uint64_t;
+constexpr int kCellRange = 1 << 15;  // on each side of the origin: 1966 m at 6 cm
 
-Cells fillCells(const std::vector<LabelledPoint>& cloud, double cell_m) {
-  Cells cells;
-  for (const LabelledPoint& point : cloud) {
-    if (point.label == 0) continue;
-    const Eigen::Vector3i index = (point.position() / cell_m).array().floor().cast<int>();
-    cells[{point.label, index.x(), index.y(), index.z()}].push_back(&point);
-  }
-  return cells;
+CellKey cellKey(std::uint8_t label, const Eigen::Vector3i& index) {
+  CellKey key = label;
+  for (int axis = 0; axis < 3; ++axis) key = key << 16 | static_cast<CellKey>(index[axis] + kCellRange);
+  return key;
 }
+
+/// The labelled points of a cloud in cubes.
+struct Cells {
+  struct Cell {
+    CellKey key;
+    std::size_t begin, end;  ///< in points
+    bool taken = false;
+  };
+  std::vector<const LabelledPoint*> points;  ///< those of a cube together
+  std::vector<Cell> cells;                   ///< in order of their keys
+  std::unordered_map<CellKey, std::size_t> place;
+
+  Cells(const std::vector<LabelledPoint>& cloud, double cell_m) {
+    std::vector<std::pair<CellKey, const LabelledPoint*>> keyed;
+    for (const LabelledPoint& point : cloud) {
+      if (point.label == 0) continue;
+      const Eigen::Vector3i index = (point.position() / cell_m).array().floor().cast<int>();
+      // At the rim a neighbour's key must stay its own.
+      if (index.minCoeff() <= -kCellRange || index.maxCoeff() >= kCellRange - 1) continue;
+      keyed.emplace_back(cellKey(point.label, index), &point);
+    }
+    std::stable_sort(keyed.begin(), keyed.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (std::size_t i = 0; i < keyed.size(); ++i) {
+      if (i == 0 || keyed[i].first != keyed[i - 1].first) {
+        place.emplace(keyed[i].first, cells.size());
+        cells.push_back({keyed[i].first, i, i});
+      }
+      ++cells.back().end;
+      points.push_back(keyed[i].second);
+    }
+  }
+};
 
 /// A connected piece of one class.
 struct Piece {
@@ -44,17 +74,21 @@ struct Piece {
 };
 
 /// Takes a cell and all that is connected to it. Depth-first, on a stack of its own: objects can be large.
-Piece growPiece(Cells& cells, Cells::iterator seed) {
+Piece growPiece(Cells& cells, std::size_t seed) {
   Piece piece;
-  std::vector<Cells::iterator> open{seed};
+  std::vector<std::size_t> open{seed};
+  cells.cells[seed].taken = true;
   while (!open.empty()) {
-    const CellKey key = open.back()->first;
-    const std::vector<const LabelledPoint*> points = std::exchange(open.back()->second, {});
+    const Cells::Cell& cell = cells.cells[open.back()];
     open.pop_back();
-    piece.points.insert(piece.points.end(), points.begin(), points.end());
+    for (std::size_t i = cell.begin; i < cell.end; ++i) piece.points.push_back(cells.points[i]);
     for (int i = 0; i < 27; ++i) {
-      const auto next = cells.find({key[0], key[1] + i % 3 - 1, key[2] + i / 3 % 3 - 1, key[3] + i / 9 - 1});
-      if (next != cells.end() && !next->second.empty()) open.push_back(next);
+      const std::int64_t step =
+          (std::int64_t{i % 3 - 1} * (std::int64_t{1} << 32)) + (std::int64_t{i / 3 % 3 - 1} * (1 << 16)) + i / 9 - 1;
+      const auto next = cells.place.find(cell.key + static_cast<CellKey>(step));
+      if (next == cells.place.end() || cells.cells[next->second].taken) continue;
+      cells.cells[next->second].taken = true;
+      open.push_back(next->second);
     }
   }
   piece.describe();
@@ -174,10 +208,10 @@ MapObject objectOf(const Piece& piece, const EvidenceAt& evidence_at) {
 std::vector<MapObject> findObjects(const std::vector<LabelledPoint>& cloud, const MapObjectsConfig& config,
                                    const EvidenceAt& evidence_at) {
   validateConfig(config);
-  Cells cells = fillCells(cloud, config.cell_m);
+  Cells cells(cloud, config.cell_m);
   std::vector<Piece> pieces;
-  for (auto cell = cells.begin(); cell != cells.end(); ++cell) {
-    if (cell->second.empty()) continue;
+  for (std::size_t cell = 0; cell < cells.cells.size(); ++cell) {
+    if (cells.cells[cell].taken) continue;
     Piece piece = growPiece(cells, cell);
     constexpr std::size_t kLeastShare = 10;  // of an object's points: less is noise
     if (kLeastShare * piece.points.size() >= static_cast<std::size_t>(config.min_points)) {

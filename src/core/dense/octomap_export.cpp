@@ -34,17 +34,6 @@ OctreeMessage fullOctree(const OctreeStream& tree) {
   return message;
 }
 
-std::vector<OctreeLeaf> octreeLeaves(const OctreeStream& tree) {
-  std::vector<OctreeLeaf> leaves;
-  tree.forEachLeaf([&](const OctreeStream::Leaf& leaf) {
-    const bool occupied = leaf.log_odds >= 0.0F;
-    leaves.push_back({(leaf.corner.cast<double>().array() + leaf.side / 2.0) * tree.resolution(),
-                      leaf.side * tree.resolution(), occupied,
-                      occupied ? cv::Vec3b(leaf.rgb[2], leaf.rgb[1], leaf.rgb[0]) : cv::Vec3b()});
-  });
-  return leaves;
-}
-
 void saveBinaryOctree(const OctreeStream& tree, const std::string& path) {
   std::istringstream data(tree.binary());
   octomap::OcTree octree(tree.resolution());

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "core/dense/octree_stream.h"
 #include "semantic_vslam/core/dense/dense_result.h"
@@ -18,16 +17,6 @@ namespace semantic_vslam {
 OctreeMessage binaryOctree(const OctreeStream& tree);
 /// With log-odds and colour: octomap_msgs' fullMapToMsg of a ColorOcTree.
 OctreeMessage fullOctree(const OctreeStream& tree);
-
-/// A node without children of the pruned tree: a cube of one state.
-struct OctreeLeaf {
-  Eigen::Vector3d centre_m;
-  double size_m = 0.0;  ///< of an edge: the resolution times a power of two
-  bool occupied = false;
-  cv::Vec3b bgr;  ///< black where it is free
-};
-/// In a fixed order.
-std::vector<OctreeLeaf> octreeLeaves(const OctreeStream& tree);
 
 /// Writes what binaryOctree() holds as a .bt file, whole or not at all. @throws FileError naming path and cause.
 void saveBinaryOctree(const OctreeStream& tree, const std::string& path);

@@ -41,11 +41,15 @@ class OctreeStream {
   /// Two bits a node, free and occupied only (OctoMap's writeBinaryData); empty for an empty map.
   std::string binary() const { return data(true); }
 
+  /// A node without children: a cube of one state.
   struct Leaf {
     Eigen::Vector3i corner;  ///< index of its lowest voxel
-    int side = 1;            ///< in voxels
+    int side = 1;            ///< in voxels: a power of two
     float log_odds = 0.0F;
     OctreeNode::Rgb rgb{};
+
+    bool occupied() const { return log_odds >= 0.0F; }
+    Eigen::Vector3d centre() const { return corner.cast<double>().array() + side / 2.0; }  ///< in voxels
   };
   /// Calls back for every leaf of the full tree, in the order of the stream.
   void forEachLeaf(const std::function<void(const Leaf&)>& visit) const;

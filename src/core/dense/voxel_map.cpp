@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 
 #include "core/dense/label_votes.h"
 #include "core/dense/surface_distance.h"
@@ -171,12 +172,21 @@ struct VoxelMap::Impl {
   Block& make(VoxelKey block_key) {
     const auto [it, is_new] = blocks.try_emplace(block_key);
     if (is_new) {
-      it->second.place = static_cast<std::uint32_t>(places.size());
-      places.push_back({block_key, revision});
+      if (free_places.empty()) {
+        free_places.push_back(static_cast<std::uint32_t>(places.size()));
+        places.emplace_back();
+      }
+      it->second.place = free_places.back();
+      free_places.pop_back();
+      places[it->second.place] = {block_key, keyframes, 0};
     }
     return it->second;
   }
-  void markChanged(const Block& block) { places[block.place].changed = revision; }
+  void markChanged(const Block& block, bool surface) {
+    VoxelBlock& place = places[block.place];
+    place.changed = keyframes;
+    if (surface) place.surface_changed = keyframes;
+  }
   void count(Block& block) {
     const std::size_t now = block.memoryBytes();
     bytes += now - block.bytes;
@@ -199,7 +209,8 @@ struct VoxelMap::Impl {
   float truncation_m;
   std::unordered_map<VoxelKey, Block> blocks;  // by blockKey(); walked in sorted order only
   std::vector<VoxelBlock> places;
-  std::uint32_t keyframes = 0, revision = 0;
+  std::vector<std::uint32_t> free_places;
+  std::uint32_t keyframes = 0;
   std::size_t known = 0, bytes = 0;
 };
 
@@ -223,7 +234,7 @@ void VoxelMap::Impl::hitVoxel(VoxelKey key, const Observation& observation) {
   surface.last_hit = keyframes;
   surface.misses_since_hit = surface.doubts_since_hit = surface.views_since_hit = 0;
   fuse(observation, surface);
-  markChanged(block);
+  markChanged(block, true);
   count(block);
 }
 
@@ -277,7 +288,7 @@ void VoxelMap::Impl::carveBlock(const Eigen::Vector3i& block_index, const SE3& T
   const float cols = static_cast<float>(limit_m.cols), rows = static_cast<float>(limit_m.rows);
   const VoxelKey key = blockKey(voxelKey(block_index * kBlockSide));
   auto* block = const_cast<Block*>(find(key));
-  bool changed = false;  // for who is served, as counts that only lead there are not
+  bool changed = false, surface_changed = false;  // what is served; counts that only lead there are not
   const auto noise = static_cast<float>(view.noise_m_per_m2);
   for (int local = 0; local < kBlockVoxels; ++local) {
     const auto i = static_cast<float>(local >> 6), j = static_cast<float>((local >> 3) & 7),
@@ -299,26 +310,27 @@ void VoxelMap::Impl::carveBlock(const Eigen::Vector3i& block_index, const SE3& T
         const bool known_before = fused.known();
         const float before = fused.share();
         fused.add(distance_m / truncation_m, FusedDistance::weightOf(noise * p.z() * p.z()));
-        changed = changed || !known_before || fused.share() != before;
+        surface_changed = surface_changed || !known_before || fused.share() != before;
       }
     }
-    if (free) changed = miss(*block, local) || changed;
+    if (free && miss(*block, local)) (block->surface(local) == nullptr ? changed : surface_changed) = true;
     const float inverse = view.inverse_depth(row, col);
     if (inverse < 0.0F && std::abs(1.0F + inverse * p.z()) < static_cast<float>(voxel_m) * -inverse) {
       if (block == nullptr) block = &make(key);
       countUp(block->makeSurface(local).someone);
-      changed = true;
+      surface_changed = true;
     }
     Surface* surface = block == nullptr ? nullptr : block->surface(local);
     if (surface == nullptr || surface->last_hit == keyframes || p.z() >= config.free_range_m) continue;
     countUp(surface->views_since_hit);
     const float seen_m = 0.001F * static_cast<float>(view.free_mm(row, col));  // kNoReturn is farther than anything
     if (!free && p.z() + static_cast<float>(voxel_m) < seen_m) countUp(surface->doubts_since_hit);
-    changed = changed || surface->views_since_hit == kViewsToConfirm + 1 ||
-              (!free && surface->doubts_since_hit == kDoubtsUntilGone);
+    const bool doubted =
+        surface->views_since_hit == kViewsToConfirm + 1 || (!free && surface->doubts_since_hit == kDoubtsUntilGone);
+    if (doubted && surface->hits < config.confirming_keyframes) surface_changed = true;
   }
   if (block == nullptr) return;
-  if (changed) markChanged(*block);
+  if (changed || surface_changed) markChanged(*block, surface_changed);
   count(*block);
 }
 
@@ -412,7 +424,6 @@ VoxelMap& VoxelMap::operator=(VoxelMap&&) noexcept = default;
 void VoxelMap::integrate(const std::vector<LabelledPoint>& points, const FreeSpaceView& view,
                          const SE3& T_world_camera) {
   ++impl_->keyframes;
-  ++impl_->revision;
   impl_->insertPoints(points, T_world_camera);
   impl_->carve(view, T_world_camera);
 }
@@ -456,7 +467,7 @@ void VoxelMap::forEachKnownIn(VoxelKey block_key, const std::function<void(const
 
 const std::vector<VoxelBlock>& VoxelMap::blocks() const { return impl_->places; }
 
-std::uint32_t VoxelMap::revision() const { return impl_->revision; }
+std::uint32_t VoxelMap::revision() const { return impl_->keyframes; }
 
 double VoxelMap::resolution() const { return impl_->config.resolution_m; }
 
@@ -472,56 +483,154 @@ struct Field {
   Eigen::Vector3f slope = Eigen::Vector3f::Zero();
 };
 
-/// @return nothing where a voxel round the point knows no distance
-std::optional<Field> fieldAt(const Eigen::Vector3d& point, const std::unordered_map<VoxelKey, Block>& blocks,
-                             double voxel_m, float truncation_m) {
+}  // namespace
+
+struct VoxelMap::SurfaceReader::Inside {
+  explicit Inside(const VoxelMap::Impl& voxel_map) : map(voxel_map) {}
+
+  /// A block that was asked for lately, with what is known of its voxels' states.
+  struct Entry {
+    VoxelKey key = VoxelBlock::kNone;
+    const Block* block = nullptr;
+    std::array<std::int8_t, kBlockVoxels> occupied;  ///< -1: not asked for yet
+  };
+  Entry& entry(VoxelKey key) {
+    constexpr int kAxisBits = 21 - kBlockBits;
+    Entry& entry = entries[(key >> (2 * kAxisBits) & 3) << 4 | (key >> kAxisBits & 3) << 2 | (key & 3)];
+    if (entry.key != key) {
+      entry.key = key;
+      entry.block = map.find(key);
+      entry.occupied.fill(-1);
+    }
+    return entry;
+  }
+  /// @return nothing where a voxel round the point knows no distance
+  std::optional<Field> fieldAt(const Eigen::Vector3d& point);
+
+  const VoxelMap::Impl& map;
+  std::array<Entry, 64> entries;  ///< by the lowest two bits of the block's index
+};
+
+std::optional<Field> VoxelMap::SurfaceReader::Inside::fieldAt(const Eigen::Vector3d& point) {
+  const double voxel_m = map.config.resolution_m;
   const Eigen::Vector3d at = (point / voxel_m).array() - 0.5;
   const Eigen::Vector3i low = voxelIndexAt(at, 1.0);
   if (!inVoxelRange(low) || !inVoxelRange(low + Eigen::Vector3i::Ones())) return std::nullopt;
-  const Eigen::Vector3f share = (at - low.cast<double>()).cast<float>();
-  Field field;
-  VoxelKey block_key = ~VoxelKey{0};
-  const Block* block = nullptr;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3i side(corner & 1, corner >> 1 & 1, corner >> 2);
-    const VoxelKey key = voxelKey(low + side);
-    if (key >> (3 * kBlockBits) != block_key) {
-      block_key = key >> (3 * kBlockBits);
-      const auto found = blocks.find(block_key);
-      if (found == blocks.end()) return std::nullopt;
-      block = &found->second;
+  std::array<float, 8> value;  // of the truncation; x is the lowest bit
+  const VoxelKey low_key = voxelKey(low);
+  const Eigen::Vector3i in_block = low.unaryExpr([](int i) { return i & (kBlockSide - 1); });
+  if (in_block.maxCoeff() < kBlockSide - 1) {
+    const Block* block = entry(blockKey(low_key)).block;
+    if (block == nullptr || block->distances.empty()) return std::nullopt;
+    const FusedDistance* first = &block->distances[low_key & (kBlockVoxels - 1)];
+    for (int corner = 0; corner < 8; ++corner) {
+      const FusedDistance& fused =
+          first[((corner & 1) << (2 * kBlockBits)) + ((corner >> 1 & 1) << kBlockBits) + (corner >> 2)];
+      if (!fused.known()) return std::nullopt;
+      value[corner] = fused.share();
     }
-    const FusedDistance* fused = block->distance(static_cast<int>(key & (kBlockVoxels - 1)));
-    if (fused == nullptr) return std::nullopt;
-    const float value_m = fused->share() * truncation_m;
-    Eigen::Vector3f part, sign;  // weight and its change along each axis
-    for (int axis = 0; axis < 3; ++axis) {
-      part[axis] = side[axis] == 1 ? share[axis] : 1.0F - share[axis];
-      sign[axis] = side[axis] == 1 ? 1.0F : -1.0F;
+  } else {
+    for (int corner = 0; corner < 8; ++corner) {
+      const VoxelKey key = voxelKey(low + Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2));
+      const Block* block = entry(blockKey(key)).block;
+      const FusedDistance* fused =
+          block == nullptr ? nullptr : block->distance(static_cast<int>(key & (kBlockVoxels - 1)));
+      if (fused == nullptr) return std::nullopt;
+      value[corner] = fused->share();
     }
-    field.distance_m += value_m * part.prod();
-    field.slope += value_m * Eigen::Vector3f(sign.x() * part.y() * part.z(), sign.y() * part.x() * part.z(),
-                                             sign.z() * part.x() * part.y());
   }
-  field.slope /= static_cast<float>(voxel_m);
+  const Eigen::Vector3f part = (at - low.cast<double>()).cast<float>();
+  const auto mix = [](float a, float b, float share) { return a + share * (b - a); };
+  std::array<float, 4> along_x, step_x;
+  for (int i = 0; i < 4; ++i) {
+    step_x[i] = value[2 * i + 1] - value[2 * i];
+    along_x[i] = value[2 * i] + part.x() * step_x[i];
+  }
+  const float bottom = mix(along_x[0], along_x[1], part.y()), top = mix(along_x[2], along_x[3], part.y());
+  Field field;
+  field.distance_m = map.truncation_m * mix(bottom, top, part.z());
+  field.slope = {mix(mix(step_x[0], step_x[1], part.y()), mix(step_x[2], step_x[3], part.y()), part.z()),
+                 mix(along_x[1] - along_x[0], along_x[3] - along_x[2], part.z()), top - bottom};
+  field.slope *= map.truncation_m / static_cast<float>(voxel_m);
   return field;
 }
 
-}  // namespace
+VoxelMap::SurfaceReader::SurfaceReader(const VoxelMap& map) : inside_(std::make_unique<Inside>(*map.impl_)) {}
+VoxelMap::SurfaceReader::~SurfaceReader() = default;
 
-bool VoxelMap::moveOntoSurface(LabelledPoint& point, double most_m) const {
+bool VoxelMap::SurfaceReader::moveOntoSurface(LabelledPoint& point, double most_m) {
   constexpr float kLeastSlope = 0.4F;  // flatter: two surfaces back to back
-  Eigen::Vector3d moved = point.position();
+  const Eigen::Vector3d from = point.position();
+  Eigen::Vector3d moved = from;
   for (int step = 0; step < 2; ++step) {  // the second one corrects what a bent surface leaves
-    const std::optional<Field> field = fieldAt(moved, impl_->blocks, impl_->config.resolution_m, impl_->truncation_m);
+    const std::optional<Field> field = inside_->fieldAt(moved);
     if (!field) break;
     const float slope = field->slope.norm();
     if (slope < kLeastSlope) break;
     if (step == 0 && std::abs(field->distance_m) / slope > most_m) return false;
     moved -= (field->slope * (field->distance_m / (slope * slope))).cast<double>();
   }
+  if ((moved - from).norm() > kMost * most_m) return false;
   point.xyz_m = cv::Vec3f(static_cast<float>(moved.x()), static_cast<float>(moved.y()), static_cast<float>(moved.z()));
   return true;
+}
+
+std::optional<std::uint8_t> VoxelMap::SurfaceReader::labelAt(const Eigen::Vector3d& point_world) {
+  const Eigen::Vector3i index = voxelIndexAt(point_world, inside_->map.config.resolution_m);
+  if (!inVoxelRange(index)) return std::nullopt;
+  const VoxelKey key = voxelKey(index);
+  Inside::Entry& entry = inside_->entry(blockKey(key));
+  if (entry.block == nullptr) return std::nullopt;
+  const int local = static_cast<int>(key & (kBlockVoxels - 1));
+  std::int8_t& occupied = entry.occupied[static_cast<std::size_t>(local)];
+  if (occupied < 0) occupied = inside_->map.state(*entry.block, local) == Occupancy::kOccupied ? 1 : 0;
+  if (occupied == 0) return std::nullopt;
+  return entry.block->surface(local)->votes.winner();
+}
+
+void VoxelMap::forgetFarthest(const Eigen::Vector3d& place_m, std::size_t most_bytes) {
+  if (impl_->bytes <= most_bytes) return;
+  std::vector<std::pair<double, VoxelKey>> by_distance;
+  for (const VoxelBlock& block : impl_->places) {
+    if (block.key == VoxelBlock::kNone) continue;
+    const Eigen::Vector3d middle = centre(blockCorner(block.key) + Eigen::Vector3i::Constant(kBlockSide / 2));
+    by_distance.emplace_back((middle - place_m).squaredNorm(), block.key);
+  }
+  std::sort(by_distance.begin(), by_distance.end());
+  while (impl_->bytes > most_bytes && !by_distance.empty()) {
+    const auto found = impl_->blocks.find(by_distance.back().second);
+    by_distance.pop_back();
+    const Block& block = found->second;
+    impl_->known -= static_cast<std::size_t>(
+        std::count_if(block.log_odds.begin(), block.log_odds.end(), [](LogOdds value) { return value != kUnknown; }));
+    impl_->bytes -= block.bytes;
+    impl_->places[block.place] = VoxelBlock();
+    impl_->free_places.push_back(block.place);
+    impl_->blocks.erase(found);
+  }
+}
+
+void VoxelMap::takeOver(const VoxelMap& other, const std::function<bool(const VoxelBlock&)>& wanted,
+                        const std::function<std::uint32_t(std::uint32_t)>& renumber) {
+  for (const VoxelBlock& from : other.impl_->places) {
+    if (from.key == VoxelBlock::kNone || !wanted(from)) continue;
+    Block& block = impl_->make(from.key);
+    const std::uint32_t place = block.place;
+    block = other.impl_->blocks.at(from.key);
+    block.place = place;
+    block.bytes = 0;
+    impl_->count(block);
+    for (Surface& surface : block.surfaces) {
+      if (surface.last_hit > 0) surface.last_hit = renumber(surface.last_hit);
+    }
+    VoxelBlock& now = impl_->places[place];
+    now.changed = renumber(from.changed);
+    now.surface_changed = from.surface_changed > 0 ? now.changed : 0;
+    impl_->keyframes = std::max(impl_->keyframes, now.changed);
+    for (const Surface& surface : block.surfaces) impl_->keyframes = std::max(impl_->keyframes, surface.last_hit);
+    impl_->known += static_cast<std::size_t>(
+        std::count_if(block.log_odds.begin(), block.log_odds.end(), [](LogOdds value) { return value != kUnknown; }));
+  }
 }
 
 std::size_t VoxelMap::size() const { return impl_->known; }

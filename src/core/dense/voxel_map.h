@@ -33,8 +33,9 @@ struct Voxel {
 /// A cube of 8x8x8 voxels, as the map keeps them: what changed is told by them.
 struct VoxelBlock {
   static constexpr VoxelKey kNone = ~VoxelKey{0};
-  VoxelKey key = kNone;       ///< see blockKey(); kNone: the place is empty
-  std::uint32_t changed = 0;  ///< VoxelMap::revision() when a voxel in it was last served otherwise than before
+  VoxelKey key = kNone;               ///< see blockKey(); kNone: the place is empty
+  std::uint32_t changed = 0;          ///< VoxelMap::revision() when a voxel in it was last served otherwise than before
+  std::uint32_t surface_changed = 0;  ///< the same of voxels that hold points and of distances; 0 = there are none
 };
 
 /// Occupancy, colour and label of space, fused over keyframes (occupancy: Hornung et al. 2013, eq. 2-4).
@@ -84,16 +85,36 @@ class VoxelMap {
   /// All blocks. One stays at its place in the vector as long as it is there, so that what is made of it can be kept
   /// beside it until it changes.
   const std::vector<VoxelBlock>& blocks() const;
-  /// Grows with every change.
+  /// Keyframes taken in so far, those taken over from another map among them.
   std::uint32_t revision() const;
 
   /// Fused signed distance of a voxel's centre to the surface, metres, above 0 before it; nothing where none is known.
   std::optional<float> distance(const Eigen::Vector3i& index) const;
 
-  /// Moves a point onto the fused surface, along its normal. One where the surface is not known all round stays.
-  /// @param point  world, metres
-  /// @return false if it lies farther than most_m from the surface, and stays
-  bool moveOntoSurface(LabelledPoint& point, double most_m) const;
+  /// Reads the surface round many points; those near each other cost little. The map must not change meanwhile.
+  class SurfaceReader {
+   public:
+    explicit SurfaceReader(const VoxelMap& map);
+    ~SurfaceReader();
+    /// Moves a point onto the fused surface, along its normal. One where the surface is not known all round stays.
+    /// @param point  world, metres
+    /// @return false if it lies farther than most_m from the surface; no point is moved farther than kMost most_m
+    bool moveOntoSurface(LabelledPoint& point, double most_m);
+    static constexpr double kMost = 1.25;
+    /// Label of the occupied voxel at a point; nothing where none is.
+    std::optional<std::uint8_t> labelAt(const Eigen::Vector3d& point_world);
+
+   private:
+    struct Inside;
+    std::unique_ptr<Inside> inside_;
+  };
+
+  /// Forgets the blocks that lie farthest from a place until memoryBytes() is at most this.
+  void forgetFarthest(const Eigen::Vector3d& place_m, std::size_t most_bytes);
+  /// Takes over blocks of another map of the same configuration. Only into an empty map.
+  /// @param renumber  gives what number a keyframe of the other map (counted from 1) has here, from 1 on
+  void takeOver(const VoxelMap& other, const std::function<bool(const VoxelBlock&)>& wanted,
+                const std::function<std::uint32_t(std::uint32_t)>& renumber);
 
   double resolution() const;
   Eigen::Vector3d centre(const Eigen::Vector3i& index) const;

@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 
@@ -282,20 +284,26 @@ double shareOfHoles(const VoxelMap& map, const SE3& T_world_camera) {
 }
 
 TEST(DenseMapper, ThinnedCloudsLeaveNoHolesInARebuiltMap) {
+  constexpr int kKeyframes = 24;
+  // Apart from each other, so that no keyframe fills the holes of another.
+  const auto poseOf = [](int i) { return translated(5.0 * i, 0, 0) * turned(0.1 * i, 0.14 * i); };
   DenseConfig config;
-  config.memory_mb = 8;
-  DenseMapper mapper(config, threeLabels()), roomy(DenseConfig(), threeLabels());
-  // Apart from each other, so that no keyframe fills the holes of another. With 0.37 MB each at half a
-  // voxel they need more than they may, and still none is thinned further.
-  constexpr int kKeyframes = 48;
+  config.memory_mb = 4096;
+  DenseMapper roomy(config, threeLabels());
+  for (int i = 0; i < kKeyframes; ++i) ASSERT_TRUE(addKinectWall(roomy, i, poseOf(i)));
+  // Three quarters of the clouds fit.
+  config.memory_mb = static_cast<int>((keptBytes(roomy) * 3 / 4 + 2 * roomy.voxelMap().memoryBytes()) >> 20);
+  DenseMapper mapper(config, threeLabels());
   std::vector<KeyframePose> poses;
   for (int i = 0; i < kKeyframes; ++i) {
-    const SE3 T = translated(5.0 * i, 0, 0) * turned(0.05 * i, 0.07 * i);
-    ASSERT_TRUE(addKinectWall(mapper, i, T) && addKinectWall(roomy, i, T));
+    const SE3 T = poseOf(i);
+    ASSERT_TRUE(addKinectWall(mapper, i, T));
     EXPECT_EQ(shareOfHoles(mapper.voxelMap(), T), 0.0) << "added, " << i;
     poses.push_back({KeyframeId(i), Stamp{}, translated(0, 0, 0.6) * T});
   }
   EXPECT_EQ(mapper.voxels(), roomy.voxels()) << "thinned only after it was added";
+  EXPECT_EQ(mapper.keyframes(), roomy.keyframes());
+  EXPECT_LE(keptBytes(mapper), keptBytes(roomy) * 3 / 4);
   mapper.updatePoses(poses);
   mapper.finish();
   ASSERT_EQ(mapper.rebuilds(), 1U);
@@ -359,9 +367,8 @@ TEST(DenseMapper, AForgottenKeyframeLeavesTheVoxelsAtTheNextRebuild) {
     return std::any_of(cloud.begin(), cloud.end(), [](const auto& point) { return point.xyz_m[0] > 15.0F; });
   };
   ASSERT_TRUE(reaches(mapper.cloud()));
-  // 169 fit; 1 is the only one that may go.
-  for (std::uint64_t id = 3; id < 175; ++id) addWall(mapper, id, SE3::Identity());
-  EXPECT_EQ(mapper.keyframes(), 174U);
+  // 1 is the first that may go.
+  for (std::uint64_t id = 3; id == mapper.keyframes(); ++id) addWall(mapper, id, SE3::Identity());
   EXPECT_FALSE(reaches(mapper.cloud()));
   EXPECT_EQ(mapper.voxelMap().voxelAt({20.0, 0, 2.02}).state, Occupancy::kOccupied);
   EXPECT_FALSE(mapper.busy());
@@ -369,6 +376,117 @@ TEST(DenseMapper, AForgottenKeyframeLeavesTheVoxelsAtTheNextRebuild) {
   mapper.finish();
   EXPECT_EQ(mapper.voxelMap().voxelAt({20.0, 0, 2.02}).state, Occupancy::kUnknown);
   EXPECT_EQ(mapper.voxelMap().voxelAt({10.0, 0.5, 2.02}).state, Occupancy::kOccupied);
+}
+
+TEST(DenseMapper, WhatAKeyframeSawThatHadToGoStaysInTheVoxelsThroughRebuilds) {
+  DenseConfig config = smallConfig();
+  config.memory_mb = 8;
+  DenseMapper mapper(config, threeLabels());
+  addWall(mapper, 0, translated(20.0, 0, 0));
+  // All held by the sparse map: of these the farthest must go.
+  for (std::uint64_t id = 1; id == mapper.keyframes(); ++id) addWall(mapper, id, translated(0.001 * (id % 5), 0, 0));
+  ASSERT_LT(mapper.memoryBytes(), 8U << 20);
+  const auto seenThere = [&] { return mapper.voxelMap().voxelAt({20.0, 0, 2.02}); };
+  const auto reaches = [](const std::vector<LabelledPoint>& cloud) {
+    return std::any_of(cloud.begin(), cloud.end(), [](const auto& point) { return point.xyz_m[0] > 15.0F; });
+  };
+  ASSERT_EQ(seenThere().state, Occupancy::kOccupied);
+  EXPECT_FALSE(reaches(mapper.cloud())) << "its points are gone";
+  for (const double x : {0.1, 0.2}) {
+    mapper.updatePoses({{KeyframeId(1), Stamp{}, translated(x, 0, 0)}, {KeyframeId(2), Stamp{}, translated(x, 0, 0)}});
+    mapper.finish();
+    EXPECT_EQ(seenThere().state, Occupancy::kOccupied) << x;
+    EXPECT_EQ(mapper.evidenceAt({20.0, 0, 2.02}).last_seen.ns, 1000);
+  }
+  EXPECT_EQ(mapper.rebuilds(), 2U);
+  mapper.clearBox({Eigen::Vector3d(18.0, -5.0, 0.0), Eigen::Vector3d(22.0, 5.0, 5.0)});
+  EXPECT_EQ(seenThere().state, Occupancy::kUnknown);
+}
+
+TEST(DenseMapper, MemoryIsBoundedHoweverFarTheCameraGoes) {
+  DenseConfig config;
+  config.memory_mb = 16;
+  const std::size_t most = std::size_t{16} << 20;
+  DenseMapper mapper(config, threeLabels());
+  std::vector<KeyframePose> poses;
+  constexpr std::uint64_t kKeyframes = 40;
+  for (std::uint64_t id = 0; id < kKeyframes; ++id) {
+    const SE3 T = translated(3.0 * static_cast<double>(id), 0, 0);
+    ASSERT_TRUE(addKinectWall(mapper, id, T));
+    poses.push_back({KeyframeId(id), Stamp{}, T});
+    ASSERT_LE(mapper.memoryBytes(), most) << id;
+    if (id % 4 != 0) continue;
+    mapper.cloud();
+    mapper.fullOctree();
+    mapper.projectedMap(SE3::Identity());
+  }
+  const double last_m = 3.0 * (kKeyframes - 1);
+  EXPECT_EQ(mapper.voxelMap().voxelAt({last_m, 0, 2.025}).state, Occupancy::kOccupied);
+  EXPECT_EQ(mapper.voxelMap().voxelAt({0.0, 0, 2.025}).state, Occupancy::kUnknown) << "too far away to be held";
+  for (KeyframePose& pose : poses) pose.T_world_camera.translation().z() += 0.5;
+  mapper.updatePoses(poses);
+  while (mapper.busy()) {
+    mapper.work();
+    ASSERT_LE(mapper.memoryBytes(), most) << "a rebuild has two maps";
+  }
+  EXPECT_EQ(mapper.rebuilds(), 1U);
+  EXPECT_EQ(mapper.voxelMap().voxelAt({last_m, 0, 2.525}).state, Occupancy::kOccupied);
+  EXPECT_FALSE(mapper.cloud().empty());
+}
+
+bool samePoints(const std::vector<LabelledPoint>& a, const std::vector<LabelledPoint>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(LabelledPoint)) == 0;
+}
+
+TEST(DenseMapper, WhatIsPutTogetherFromPartsIsWhatIsMadeAnew) {
+  DenseConfig config = smallConfig();
+  config.grid.find_floor = false;
+  config.grid.min_height_m = -0.5;
+  config.grid.max_height_m = 1.0;
+  config.grid.max_gap_m = 0.1;
+  SE3 T_map_world = SE3::Identity();  // z up
+  T_map_world.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    Rng rng(seed);
+    DenseMapper mapper(config, threeLabels());
+    std::vector<KeyframePose> poses;
+    cv::Mat1b labels(48, 64, std::uint8_t{0});
+    labels(cv::Rect(20, 10, 20, 20)) = 2;
+    std::size_t points = 0, freed = 0;
+    for (std::uint64_t step = 0; step < 30; ++step) {
+      const std::uint64_t kind = rng.below(10);
+      if (kind < 5 || poses.size() < 3) {
+        poses.push_back({KeyframeId(step), Stamp{}, randomPose(rng)});
+        mapper.add(KeyframeId(step), randomFrame(rng), labels, {}, poses.back().T_world_camera);
+      } else if (kind < 7) {
+        mapper.look(poses[rng.below(poses.size())].keyframe, randomFrame(rng), labels, {}, randomPose(rng));
+      } else if (kind < 8) {
+        poses.erase(poses.begin() + static_cast<std::ptrdiff_t>(rng.below(poses.size() - 1)));
+        mapper.updatePoses(poses);
+      } else if (kind < 9) {
+        for (KeyframePose& pose : poses) pose.T_world_camera.translation().x() += 0.03 * rng.below(3);
+        mapper.updatePoses(poses);
+      } else {
+        mapper.clearBox({Eigen::Vector3d(-0.5, -0.5, 1.0), Eigen::Vector3d(0.5, 0.5, 2.0)});
+      }
+      const std::vector<LabelledPoint> cloud = mapper.cloud();
+      const OccupancyGrid grid = mapper.projectedMap(T_map_world);
+      const OctreeMessage full = mapper.fullOctree(), binary = mapper.binaryOctree();
+      points = std::max(points, cloud.size());
+      freed = std::max<std::size_t>(freed, std::count(grid.cells.begin(), grid.cells.end(), OccupancyGrid::kFree));
+      if (step % 3 != 2) continue;
+      mapper.forgetParts();
+      ASSERT_TRUE(samePoints(cloud, mapper.cloud())) << seed << ", " << step;
+      ASSERT_EQ(full.data, mapper.fullOctree().data);
+      ASSERT_EQ(binary.data, mapper.binaryOctree().data);
+      const OccupancyGrid anew = mapper.projectedMap(T_map_world);
+      ASSERT_EQ(grid.cells, anew.cells) << seed << ", " << step;
+      ASSERT_EQ(grid.origin_x_m, anew.origin_x_m);
+      ASSERT_EQ(grid.width, anew.width);
+    }
+    EXPECT_GT(points, 5000U);
+    EXPECT_GT(freed, 50U);
+  }
 }
 
 TEST(DenseMapper, ClearForgetsEverything) {

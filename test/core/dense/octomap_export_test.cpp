@@ -88,12 +88,12 @@ TEST(OctomapExport, LeavesFillTheKnownSpaceOnce) {
   const VoxelMap map = wallMap();
   const double voxel_m3 = 0.1 * 0.1 * 0.1;
   double volume_m3 = 0.0;
-  for (const OctreeLeaf& leaf : octreeLeaves(OctreeStream(map))) {
-    volume_m3 += leaf.size_m * leaf.size_m * leaf.size_m;
-    const Voxel middle = map.voxelAt(leaf.centre_m - Eigen::Vector3d::Constant(0.01));
-    EXPECT_EQ(leaf.occupied, middle.state == Occupancy::kOccupied);
-    EXPECT_EQ(leaf.bgr, leaf.occupied ? cv::Vec3b(0, 0, 200) : cv::Vec3b());
-  }
+  OctreeStream(map).forEachLeaf([&](const OctreeStream::Leaf& leaf) {
+    volume_m3 += voxel_m3 * leaf.side * leaf.side * leaf.side;
+    const Voxel middle = map.voxelAt(leaf.centre() * map.resolution() - Eigen::Vector3d::Constant(0.01));
+    EXPECT_EQ(leaf.occupied(), middle.state == Occupancy::kOccupied);
+    EXPECT_EQ(leaf.rgb, leaf.occupied() ? OctreeNode::Rgb({200, 0, 0}) : OctreeNode::kNoColour);
+  });
   EXPECT_NEAR(volume_m3, voxel_m3 * static_cast<double>(map.size()), voxel_m3 / 2.0);
 }
 

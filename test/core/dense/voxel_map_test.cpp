@@ -199,10 +199,11 @@ TEST(VoxelMap, ManyViewsOfAWallAreOneSurface) {
   EXPECT_GE(layers, 1);
   EXPECT_LE(layers, 2);
   LabelledPoint point{cv::Vec3f(0.1F, -0.1F, 2.09F), {}, 0};
-  ASSERT_TRUE(map.moveOntoSurface(point, 0.08));
+  ASSERT_TRUE(VoxelMap::SurfaceReader(map).moveOntoSurface(point, 0.08));
   EXPECT_NEAR(point.xyz_m[2], 2.05F, 0.004F);
   EXPECT_NEAR(point.xyz_m[0], 0.1F, 0.001F);
-  EXPECT_FALSE(map.moveOntoSurface(point = {cv::Vec3f(0.1F, -0.1F, 2.09F), {}, 0}, 0.02));  // too far off to be of it
+  EXPECT_FALSE(VoxelMap::SurfaceReader(map).moveOntoSurface(point = {cv::Vec3f(0.1F, -0.1F, 2.09F), {}, 0},
+                                                            0.02));  // too far off to be of it
 }
 
 TEST(VoxelMap, NearViewsCountMoreThanFarOnes) {
@@ -214,7 +215,7 @@ TEST(VoxelMap, NearViewsCountMoreThanFarOnes) {
   for (int i = 0; i < 3; ++i) look(map, wallFrame(3.44F), back);  // the wall at 1.04 m, as seen from 3.44 m
   look(map, wallFrame(1.00F));
   LabelledPoint point{cv::Vec3f(0.0F, 0.0F, 1.01F), {}, 0};
-  ASSERT_TRUE(map.moveOntoSurface(point, 0.05));
+  ASSERT_TRUE(VoxelMap::SurfaceReader(map).moveOntoSurface(point, 0.05));
   EXPECT_NEAR(point.xyz_m[2], 1.00F, 0.006F);
 }
 

@@ -109,7 +109,7 @@ struct DenseConfig {
   double reanchor_translation_m = 0.01;
   double reanchor_rotation_deg = 0.5;
   int rebuild_keyframes_per_call = 4;
-  int memory_mb = 256;
+  int memory_mb = 512;
   KeyframeCloudConfig keyframe;
   VoxelMapConfig voxels;
   OccupancyGridConfig grid;
@@ -125,9 +125,12 @@ struct DenseConfig {
             "or turned by more than this; 0.5 deg are 1.7 cm at 2 m");
     v.field("rebuild_keyframes_per_call", rebuild_keyframes_per_call, 1, 10000,
             "keyframes that one call adds again during a rebuild; each takes about as long as a new one");
-    v.field("memory_mb", memory_mb, 8, 1 << 16,
-            "for the kept keyframes; above it the oldest clouds are thinned to half a voxel, then the oldest that the "
-            "sparse map dropped are forgotten; those that it holds stay, 0.4 MB each at 640x480 and 2 m");
+    v.field(
+        "memory_mb", memory_mb, 8, 1 << 16,
+        "for all of it: kept keyframes, voxels, twice for rebuilds, and what is kept for publishing, 3 MB a m^2 of "
+        "floor; above it the oldest clouds are thinned to half a voxel, then keyframes that the sparse map dropped "
+        "are forgotten, then those farthest from the camera: what they saw follows no loop any more; at last voxels "
+        "far from the camera");
     v.group("keyframe", keyframe);
     v.group("voxels", voxels);
     v.group("grid", grid);

@@ -109,7 +109,8 @@ std::vector<double> publish(MapMessages& messages, const DenseMapper& map, bool 
 void measure(DenseMapper& mapper, const std::vector<View>& views, std::size_t rooms, const Eigen::Vector3d& size_m,
              std::uint64_t& next_id, JsonWriter& json) {
   constexpr int kChanges = 5;
-  constexpr double kShareOfView = 0.02;  // for each room: about 1 % of its blocks
+  // About 1 % of the blocks: what looks through a block counts, so that they grow more slowly than the part.
+  const double share_of_view = 0.002 * std::pow(static_cast<double>(rooms), 1.6);
   MapMessages messages{MapObjectsConfig()};
   const std::vector<double> first = publish(messages, mapper, true);
   publish(messages, mapper, false);
@@ -117,7 +118,7 @@ void measure(DenseMapper& mapper, const std::vector<View>& views, std::size_t ro
   std::vector<double> insertion, changed;
   for (int change = 0; change < kChanges; ++change) {
     const View& view = views[(change + 1) * views.size() / (kChanges + 1)];
-    const Part part = partOf(view, std::min(1.0, kShareOfView * static_cast<double>(rooms)));
+    const Part part = partOf(view, std::min(1.0, share_of_view));
     const std::uint32_t revision = mapper.voxelMap().revision();
     const StepClock clock;
     mapper.add(KeyframeId(next_id++), part.frame, view.labels, part.excluded, inRoom(view, change % rooms, size_m));

@@ -57,9 +57,14 @@ inline VoxelKey blockKey(VoxelKey voxel) { return voxel >> (3 * kBlockBits); }
 /// Index of a block's lowest voxel.
 inline Eigen::Vector3i blockCorner(VoxelKey block) { return voxelIndex(block << (3 * kBlockBits)); }
 
+/// As std::floor, which is a call of the library without SSE 4.
+inline int floorToInt(double value) {
+  const int truncated = static_cast<int>(value);
+  return truncated - (static_cast<double>(truncated) > value ? 1 : 0);
+}
+
 inline Eigen::Vector3i voxelIndexAt(const Eigen::Vector3d& point_m, double cell_m) {
-  return {static_cast<int>(std::floor(point_m.x() / cell_m)), static_cast<int>(std::floor(point_m.y() / cell_m)),
-          static_cast<int>(std::floor(point_m.z() / cell_m))};
+  return {floorToInt(point_m.x() / cell_m), floorToInt(point_m.y() / cell_m), floorToInt(point_m.z() / cell_m)};
 }
 
 /// A point's place in the vector it came from, with the voxel it falls into.

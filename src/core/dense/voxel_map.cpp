@@ -198,7 +198,10 @@ struct VoxelMap::Impl {
   void carve(const FreeSpaceView& view, const SE3& T_world_camera);
   void carveBlock(const Eigen::Vector3i& block_index, const SE3& T_camera_world, const FreeSpaceView& view,
                   const FreeLimits& limits, const SurfaceDistance& surfaces);
-  bool miss(Block& block, int local);
+  struct News {
+    bool any = false, surface = false;
+  };
+  News miss(Block& block, int local);
   template <class Is>
   bool anyBeside(const Block& block, int local, const Is& is) const;
   Occupancy state(const Block& block, int local) const;
@@ -313,7 +316,11 @@ void VoxelMap::Impl::carveBlock(const Eigen::Vector3i& block_index, const SE3& T
         surface_changed = surface_changed || !known_before || fused.share() != before;
       }
     }
-    if (free && miss(*block, local)) (block->surface(local) == nullptr ? changed : surface_changed) = true;
+    if (free) {
+      const News news = miss(*block, local);
+      changed = changed || news.any;
+      surface_changed = surface_changed || news.surface;
+    }
     const float inverse = view.inverse_depth(row, col);
     if (inverse < 0.0F && std::abs(1.0F + inverse * p.z()) < static_cast<float>(voxel_m) * -inverse) {
       if (block == nullptr) block = &make(key);
@@ -322,26 +329,29 @@ void VoxelMap::Impl::carveBlock(const Eigen::Vector3i& block_index, const SE3& T
     }
     Surface* surface = block == nullptr ? nullptr : block->surface(local);
     if (surface == nullptr || surface->last_hit == keyframes || p.z() >= config.free_range_m) continue;
-    countUp(surface->views_since_hit);
     const float seen_m = 0.001F * static_cast<float>(view.free_mm(row, col));  // kNoReturn is farther than anything
-    if (!free && p.z() + static_cast<float>(voxel_m) < seen_m) countUp(surface->doubts_since_hit);
-    const bool doubted =
-        surface->views_since_hit == kViewsToConfirm + 1 || (!free && surface->doubts_since_hit == kDoubtsUntilGone);
-    if (doubted && surface->hits < config.confirming_keyframes) surface_changed = true;
+    const bool doubted = !free && p.z() + static_cast<float>(voxel_m) < seen_m;
+    const bool decides =
+        surface->hits < config.confirming_keyframes &&
+        (surface->views_since_hit == kViewsToConfirm || (doubted && surface->doubts_since_hit == kDoubtsUntilGone - 1));
+    const Occupancy before = decides ? state(*block, local) : Occupancy::kUnknown;
+    countUp(surface->views_since_hit);
+    if (doubted) countUp(surface->doubts_since_hit);
+    if (decides && state(*block, local) != before) surface_changed = true;
   }
   if (block == nullptr) return;
   if (changed || surface_changed) markChanged(*block, surface_changed);
   count(*block);
 }
 
-/// Nothing was at a voxel for one keyframe. @return whether it is served otherwise than before
-bool VoxelMap::Impl::miss(Block& block, int local) {
+/// Nothing was at a voxel for one keyframe. @return what is served otherwise than before
+VoxelMap::Impl::News VoxelMap::Impl::miss(Block& block, int local) {
   constexpr int kMissesUntilGone = 3;  // however often it was hit before
   Surface* surface = block.surface(local);
-  bool news = false;
+  bool was_other = false;
   if (surface != nullptr) {
-    if (surface->last_hit == keyframes) return false;
-    news = surface->misses == 0 || surface->someone > 0;
+    if (surface->last_hit == keyframes) return {};
+    was_other = surface->misses == 0 || surface->someone > 0;
     countUp(surface->misses);
     countUp(surface->misses_since_hit);
     surface->someone = 0;
@@ -350,7 +360,7 @@ bool VoxelMap::Impl::miss(Block& block, int local) {
   const LogOdds before = value;
   change(value, missed);
   if (surface != nullptr && surface->misses_since_hit >= kMissesUntilGone) value = std::min<LogOdds>(value, 0);
-  return news || value != before;
+  return {was_other || value != before, was_other || (surface != nullptr && value != before && before > 0)};
 }
 
 /// Whether something is so of a surface within two voxels, in the same block.

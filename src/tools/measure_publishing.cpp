@@ -110,7 +110,7 @@ void measure(DenseMapper& mapper, const std::vector<View>& views, std::size_t ro
              std::uint64_t& next_id, JsonWriter& json) {
   constexpr int kChanges = 5;
   // About 1 % of the blocks: what looks through a block counts, so that they grow more slowly than the part.
-  const double share_of_view = 0.002 * std::pow(static_cast<double>(rooms), 1.6);
+  const double share_of_view = 0.02 * std::pow(static_cast<double>(rooms), 1.3);
   MapMessages messages{MapObjectsConfig()};
   const std::vector<double> first = publish(messages, mapper, true);
   publish(messages, mapper, false);

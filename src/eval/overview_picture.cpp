@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/dense/up_direction.h"
+#include "core/motion/mask_picture.h"
 #include "eval/cloud_view.h"
 #include "eval/plot_panel.h"
 #include "eval/trajectory_plot.h"
@@ -16,7 +17,6 @@ namespace semantic_vslam {
 namespace {
 
 const cv::Scalar kInk(60, 60, 60), kPathColor(190, 105, 20), kTruthColor(60, 60, 60);
-const cv::Vec3b kMovingTint(40, 40, 230);
 // What hangs higher over the camera than this (ceiling, lamps) would hide the room from above.
 constexpr double kCutAboveCameraM = 0.5;
 
@@ -100,15 +100,6 @@ void drawFromAbove(PlotCanvas& canvas, cv::Rect area_px, const OverviewContent& 
   panel.legend("camera (disc: start)", kPathColor);
 }
 
-cv::Mat3b tinted(const cv::Mat3b& bgr, const cv::Mat1b& dynamic) {
-  cv::Mat3b out = bgr.clone();
-  if (dynamic.empty()) return out;
-  cv::Mat3b blend;
-  cv::addWeighted(bgr, 0.45, cv::Mat3b(bgr.size(), kMovingTint), 0.55, 0.0, blend);
-  blend.copyTo(out, dynamic >= 128);
-  return out;
-}
-
 void drawSample(PlotCanvas& canvas, const OverviewContent& content, int top_px) {
   constexpr int kWidth = 520, kHeight = 390, kGap = 20;
   const auto label_color = [&](const LabelledPoint& point) {
@@ -120,7 +111,7 @@ void drawSample(PlotCanvas& canvas, const OverviewContent& content, int top_px) 
                        color);
   };
   const std::pair<const char*, cv::Mat3b> pictures[] = {
-      {"An image; red: taken as moving", tinted(content.sample_bgr, content.sample_dynamic)},
+      {"An image; red: taken as moving", maskPicture(content.sample_bgr, content.sample_dynamic)},
       {"The map from the same pose", view(own_color)},
       {"The map by label", view(label_color)}};
   int left_px = 20;

@@ -15,6 +15,7 @@
 #include "core/common/progress.h"
 #include "core/io/image_file.h"
 #include "core/motion/flow_colour.h"
+#include "core/motion/mask_picture.h"
 #include "core/motion/motion_detector.h"
 #include "eval/mask_score.h"
 #include "eval/open_recording.h"
@@ -84,11 +85,7 @@ class MotionError {
 
 /// Red: called dynamic. Green outline: true mask.
 cv::Mat3b overlay(const RgbdFrame& frame, const cv::Mat1b& dynamic, const cv::Mat1b& truth) {
-  cv::Mat3b picture = frame.bgr.clone();
-  cv::Mat3b red(picture.size(), cv::Vec3b(0, 0, 255));
-  cv::Mat3b mixed;
-  cv::addWeighted(picture, 0.5, red, 0.5, 0.0, mixed);
-  mixed.copyTo(picture, dynamic >= 128);
+  cv::Mat3b picture = maskPicture(frame.bgr, dynamic);
   if (!truth.empty()) {
     std::vector<std::vector<cv::Point>> contours;
     cv::findContours(truth.clone(), contours, cv::RETR_LIST, cv::CHAIN_APPROX_SIMPLE);

@@ -13,7 +13,7 @@ import unittest
 import numpy as np
 
 sys.path.append(os.path.join(os.path.dirname(__file__), "..", "ros"))
-from programs import program
+from programs import program, skip_without_programs
 
 BAGS = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "bags")
 BAG = os.path.join(BAGS, "walking.bag")
@@ -43,10 +43,7 @@ def values(message):
 class Walking(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        try:
-            program("run_offline")
-        except (KeyError, FileNotFoundError) as error:
-            raise unittest.SkipTest(f"no programs: {error}; run by ctest, or source devel/setup.bash")
+        skip_without_programs()
 
     def test_is_small(self):
         self.assertLess(os.path.getsize(BAG), 3e6)

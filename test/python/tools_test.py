@@ -20,7 +20,7 @@ import cv2
 import numpy as np
 
 sys.path.append(os.path.join(os.path.dirname(__file__), "..", "ros"))
-from programs import program
+from programs import program, skip_without_programs
 
 FRAMES, WIDTH, HEIGHT, FOCAL_PX = 40, 320, 240, 260.0
 WALL_M, BOX_M = 2.5, 1.6
@@ -76,10 +76,7 @@ def write_sequence(folder):
 class ToolsTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        try:
-            program("run_offline")
-        except (KeyError, FileNotFoundError) as error:
-            raise unittest.SkipTest(f"no programs: {error}; run by ctest, or source devel/setup.bash")
+        skip_without_programs()
         cls.folder = tempfile.mkdtemp(prefix="semantic_vslam_tools_")
         cls.sequence = os.path.join(cls.folder, "sequence")
         write_sequence(cls.sequence)

@@ -3,6 +3,7 @@
 """Where the package's programs are, for every rostest."""
 import os
 import threading
+import unittest
 
 # Debian 11's rospy asks for this at the end of a program; Python 3.9 no longer has it, and the test's result is lost.
 if not hasattr(threading.Thread, "isAlive"):
@@ -16,3 +17,11 @@ def program(name):
         if os.access(path, os.X_OK):
             return path
     raise FileNotFoundError(f"{name} is in no folder of CMAKE_PREFIX_PATH; was it built, and setup.bash sourced?")
+
+
+def skip_without_programs():
+    """For tests that are no rostests, and may be run without a build."""
+    try:
+        program("run_offline")
+    except (KeyError, FileNotFoundError) as error:
+        raise unittest.SkipTest(f"no programs: {error}; run by ctest, or source devel/setup.bash")

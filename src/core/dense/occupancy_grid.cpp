@@ -237,15 +237,4 @@ OccupancyGrid GridProjection::project(const SE3& T_map_world, const OccupancyGri
   return grid;
 }
 
-OccupancyGrid projectToGrid(const VoxelMap& map, const SE3& T_map_world, const OccupancyGridConfig& config) {
-  return projectToGrid(map, T_map_world, config, Floor{Eigen::Vector3d::UnitZ(), config.floor_height_m});
-}
-
-OccupancyGrid projectToGrid(const VoxelMap& map, const SE3& T_map_world, const OccupancyGridConfig& config,
-                            const Floor& floor) {
-  GridProjection projection;
-  projection.update(map);
-  return projection.project(T_map_world, config, floor);
-}
-
 }  // namespace semantic_vslam

@@ -87,10 +87,4 @@ class GridProjection {
   std::size_t occupied_ = 0, occupied_changes_ = 0;
 };
 
-/// The same of a map that is looked at once.
-OccupancyGrid projectToGrid(const VoxelMap& map, const SE3& T_map_world, const OccupancyGridConfig& config,
-                            const Floor& floor);
-/// The same above a level floor at config.floor_height_m.
-OccupancyGrid projectToGrid(const VoxelMap& map, const SE3& T_map_world, const OccupancyGridConfig& config);
-
 }  // namespace semantic_vslam

@@ -5,9 +5,10 @@
 namespace semantic_vslam {
 
 cv::Mat3b maskPicture(const cv::Mat3b& bgr, const cv::Mat1b& dynamic) {
-  CV_Assert(bgr.size() == dynamic.size());
   constexpr int kLeft = 128;  // of 255: the person stays to be seen
   cv::Mat3b picture = bgr.clone();
+  if (dynamic.empty()) return picture;
+  CV_Assert(bgr.size() == dynamic.size());
   for (int y = 0; y < picture.rows; ++y) {
     for (int x = 0; x < picture.cols; ++x) {
       const int moves = dynamic(y, x);

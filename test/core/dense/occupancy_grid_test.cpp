@@ -42,6 +42,18 @@ OccupancyGridConfig tenCentimetres() {
   return config;
 }
 
+/// Of a map that is looked at once.
+OccupancyGrid projectToGrid(const VoxelMap& map, const SE3& T_map_world, const OccupancyGridConfig& config,
+                            const Floor& floor) {
+  GridProjection projection;
+  projection.update(map);
+  return projection.project(T_map_world, config, floor);
+}
+
+OccupancyGrid projectToGrid(const VoxelMap& map, const SE3& T_map_world, const OccupancyGridConfig& config) {
+  return projectToGrid(map, T_map_world, config, Floor{Eigen::Vector3d::UnitZ(), config.floor_height_m});
+}
+
 std::int8_t cellAt(const OccupancyGrid& grid, double x_m, double y_m) {
   const int x = static_cast<int>(std::floor((x_m - grid.origin_x_m) / grid.resolution_m));
   const int y = static_cast<int>(std::floor((y_m - grid.origin_y_m) / grid.resolution_m));
